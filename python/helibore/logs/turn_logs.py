@@ -399,7 +399,10 @@ class Logs(Tabular):
         inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in depth order: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         arms = tuple(of[inside] for of in self.arm_diameter)
-        return replace(self, arm_diameter=arms, section=self.section[inside], worn=self.worn.between(inside), **columns)
+        part = replace(self, arm_diameter=arms, section=self.section[inside], worn=self.worn.between(inside), **columns)
+        if self.turns is None:  # turns beside the part decide as well
+            vars(part)["diameter_range"] = tuple(end[inside] for end in self.diameter_range)
+        return part
 
     def annulus(self, casing: float) -> Annulus:
         """Return the annulus around a casing: volume, cement, clearance, as `helibore logs` writes them.

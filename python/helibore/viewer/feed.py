@@ -128,7 +128,7 @@ class Feed:
         self._logged = 0  # how often the logs were measured
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
-        self.scene.summarize, self.scene.path = self._summarize, path
+        self.scene.summarize, self.scene.write_logs, self.scene.path = self._summarize, self._write_logs, path
         if hasattr(wall, "surface"):
             self.scene.write_mesh = self._write_mesh
             self.scene.update_state(meshes=True)
@@ -336,9 +336,7 @@ class Feed:
         The wall grows on after its turns are measured. So the figures, and ``start`` and ``stop`` among them, are those
         of the part of the section that the wall had when its turns were measured.
         """
-        with self._finding:  # waits while the other thread finds zones
-            zones = self._zones or self._classify(self._wall)
-            top, bottom = self._ends
+        zones, (top, bottom) = self._present_zones()
         start, stop = (min(max(end, top), bottom) for end in (start, stop))
         summary = summarize(self._wall, start, stop, zones=zones)
         names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
@@ -348,6 +346,19 @@ class Feed:
         if summary.ranged:  # numbers would be surer than the samples
             found |= {"volume_text": summary.volume_text(), "excess_text": summary.excess_text()}
         return found | {"unmeasured_shape": zones.logs.unmeasured_shape}
+
+    def _present_zones(self) -> tuple[Classification, tuple[float, float]]:
+        """Return the newest zones, and the ends of the wall when they were found."""
+        with self._finding:  # waits while the other thread finds zones
+            return self._zones or self._classify(self._wall), self._ends
+
+    def _write_logs(self, start: float, stop: float) -> bytes:
+        """Return the logs of the turns between two depths as a LAS file; raise InputError if there is no full turn."""
+        logs = self._present_zones()[0].logs.between(start, stop)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "section.las"
+            logs.save(file)
+            return file.read_bytes()
 
     def _write_mesh(self, start: float, stop: float) -> bytes:
         """Return the surface between two depths as a GLB file; raise InputError if it is long or not in the wall."""

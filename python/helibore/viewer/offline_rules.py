@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base import units
+from helibore.base.decimals import DECIMALS, USUAL_DECIMALS
 from helibore.base.harmless import FORMULA
 from helibore.base.nulls import NULLS
 from helibore.channels.plausibility import LIKELY_NULLS
@@ -47,7 +48,8 @@ def rules() -> dict[str, Any]:
         "small_bits": list(SMALL_BITS),
         "large_bits": list(LARGE_BITS),
         "sizes": [[f"{size:g} in", size] for size in sizes],
-        "columns": [[one.name, one.mnemonic, one.unit] for one in COLUMNS],
+        "columns": [[one.name, one.mnemonic, one.unit, one.description] for one in COLUMNS],
+        "decimals": {"other": USUAL_DECIMALS, **DECIMALS},
         "picks": {
             "columns": picks.COLUMNS,
             "dips": picks.DIP,

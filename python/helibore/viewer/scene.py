@@ -251,6 +251,8 @@ class Scene:
         print.
     write_mesh
         A function that returns a section, between two depths, as a GLB file. None: a page offers no mesh.
+    write_logs
+        A function that returns the logs of a section, between two depths, as a LAS file.
     """
 
     def __init__(self) -> None:
@@ -261,6 +263,7 @@ class Scene:
         self.read_channels: Callable[[], list[ShownChannel]] = list
         self.draw_pages: Callable[..., bytes] | None = None
         self.write_mesh: Callable[[float, float], bytes] | None = None
+        self.write_logs: Callable[[float, float], bytes] | None = None
         self.begun = False
         self.state = RunState()
         self.template: Template | None = None

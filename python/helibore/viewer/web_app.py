@@ -12,6 +12,7 @@
     /api/print.pdf                          a section as a PDF, if the scene has `Scene.draw_pages`
     /api/print.svg                          its tracks as a picture
     /api/section.glb                        a section as a mesh, if the scene has `Scene.write_mesh`
+    /api/section.las                        its logs, if the scene has `Scene.write_logs`
     /healthz                                whether the server runs, and how many vertices and pages it has
 
 `AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing; the
@@ -102,6 +103,7 @@ class WebApp:
             "print.pdf": self.print_section,
             "print.svg": self.print_section,
             "section.glb": self.mesh_section,
+            "section.las": self.logs_section,
         }
 
         def when_begun(endpoint: Endpoint) -> Endpoint:
@@ -298,6 +300,12 @@ class WebApp:
         if write is None:
             return PlainTextResponse("this server has no wall to mesh\n", 404)
         return await self.drawn(write, query, "model/gltf-binary", _file_name("section", query, "glb"))
+
+    async def logs_section(self, request: Request) -> Response:
+        query, write = request.query_params, self.scene.write_logs
+        if write is None:
+            return PlainTextResponse("this server measures no logs\n", 404)
+        return await self.drawn(write, query, "text/plain", _file_name("section", query, "las"))
 
     async def drawn(
         self, write: Callable[[float, float], bytes], query: Mapping[str, str], media_type: str, name: str

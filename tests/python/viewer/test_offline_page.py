@@ -23,9 +23,11 @@ from locations import WEB
 from patience import PATIENCE
 
 import helibore as hb
+from helibore.base.decimals import DECIMALS
 from helibore.cli import cli
 from helibore.logs.curves import curves_of
 from helibore.logs.summary import WallSummary
+from helibore.logs.turn_logs import Logs
 from helibore.samples.helix import helix_of
 from helibore.viewer.exports import curve_bytes
 from helibore.viewer.feed import Feed, history_of
@@ -128,6 +130,21 @@ def digest(values: np.ndarray) -> str:
     return hashlib.sha256(np.ascontiguousarray(values)).hexdigest()
 
 
+def compare_las(logs: Logs, text: str) -> None:
+    """Check that the page's LAS file has the columns of the logs that have a value anywhere, in their order."""
+    head, _, rows = text.partition("~A  ")
+    names, *lines = rows.splitlines()
+    values = dict(zip(names.split(), np.array([line.split() for line in lines], dtype=float).T, strict=True))
+    table = {column.mnemonic: column for column in logs.table()}
+    assert [name for name in table if name in values] == list(values)
+    assert all(np.isnan(column.values).all() for name, column in table.items() if name not in values)
+    for name, column in table.items():
+        if name in values:
+            assert f"{name:<9}.{column.unit.upper():<5} " in head
+            seen = np.where(values[name] == -999.25, np.nan, values[name])
+            np.testing.assert_allclose(seen, column.values, rtol=0, atol=0.51 * 10.0 ** -DECIMALS[column.unit])
+
+
 @needs_page
 def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file(tmp_path: Path) -> None:
     for name, text in SAME.items():
@@ -168,6 +185,7 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
             assert "too few samples" in str(error)  # noqa: PT017
             sigma = None
         assert one["sigma"] == sigma, file.name
+        compare_las(logs.between(low, low + 0.6 * (high - low)), one["las"])
         assert one["glb"] == mesh_digest(wall, max(low + (high - low) / 3, high - 50), high, tmp_path / "mesh.glb")
 
 

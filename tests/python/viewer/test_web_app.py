@@ -6,6 +6,7 @@ import json
 import re
 import urllib.error
 import urllib.request
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from urllib.parse import quote, urlencode, urlsplit
@@ -580,6 +581,22 @@ def test_other_walls_stand_beside_in_the_colours_of_the_first() -> None:
         assert template is not None
         assert [track.name for track in template.track] == ["Radius", "Over bit pass 2", ""]
         assert {"C1 pass 2", "C2 pass 2"} <= set(viewer.scene.curves)
+
+
+def test_the_logs_of_a_section_are_saved_as_las(tmp_path: Path) -> None:
+    depth = np.arange(2000.0, 2010.0, 0.01)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, 0.108 + 0 * depth), bit_diameter=0.216)
+    with hb.view(wall) as viewer:
+        root, _, token = viewer.url.partition("?")
+        with urllib.request.urlopen(f"{root}api/section.las?{token}&start=2002&stop=2004") as answer:
+            assert "section-2002.0-2004.0.las" in answer.headers["content-disposition"]
+            (tmp_path / "page.las").write_bytes(answer.read())
+        wall.logs().between(2002, 2004).save(tmp_path / "own.las")
+        assert (tmp_path / "page.las").read_bytes() == (tmp_path / "own.las").read_bytes()
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(f"{root}api/section.las?{token}&start=2002.01&stop=2002.02")
+        with refused.value as answer:
+            assert answer.code == 400
 
 
 def test_a_section_is_a_mesh_and_one_that_is_too_long_is_refused(

@@ -5,6 +5,7 @@ import { NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from '../src/protocol.js'
 
 const MOST_ROWS = 2_000_000;
 const COVERED = 0.9;
+const MOSTLY = 0.4;
 const NEARLY_ALL = [0.2, 99.8];
 const LINES_A_CHUNK = 4096;
 const SIZE_ROUGH = 1.8e-3; // metres
@@ -60,7 +61,8 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
   });
   const named = rules.columns.flatMap(([name, mnemonic, unit]) => (name === 'depth' ? [] : [{ name: mnemonic, unit, values: columns[name] }]));
   const { low_diameter: low, high_diameter: high } = columns;
-  const likely = [['DEQ_LOW', low], ['DEQ_HIGH', high]].map(([name, ends]) => ({ name: /** @type {string} */ (name), unit: 'm', values: each((turn) => (low[turn] < high[turn] ? Number(ends[turn]) : NaN)) }));
+  const ranged = low.filter((end, turn) => end < high[turn]).length;
+  const likely = ranged >= MOSTLY * depth.length ? [['DEQ_LOW', low], ['DEQ_HIGH', high]].map(([name, ends]) => ({ name: /** @type {string} */ (name), unit: 'm', values: each((turn) => (low[turn] < high[turn] ? Number(ends[turn]) : NaN)) })) : [];
   const arms = (found?.arms ?? []).map((values, at) => ({ name: `ARM_DIAMETER_${at + 1}`, unit: 'm', values }));
   const curves = [...named, ...likely, ...arms, ...more(depth)].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
   const last = start + ((radius.length - 1) * pitch) / sectors;

@@ -1,6 +1,7 @@
 // What the viewer's server does, in the worker: the page's port brings its messages and its requests (web_app.py, client.py).
 
 import { curveBytes, sectionCsv, summaryOf } from './figures.js';
+import { logsText } from './las_writing.js';
 import { checked, merged, parsePicks, picksTable } from './picks.js';
 import { Refusal, rules } from './rules.js';
 import { framesMessages, numbered, setTrust, tileMessage, tilesOf } from './scene.js';
@@ -136,6 +137,7 @@ export class Served {
       case 'GET history': return json(this.history());
       case 'GET curve': return { type: 'application/octet-stream', body: curveBytes(this.figures(), query.get('name') ?? '') };
       case 'GET section.csv': return { type: 'text/csv', name: named('section', 'csv'), body: sectionCsv(this.scene, ...ends()) };
+      case 'GET section.las': return { type: 'text/plain', name: named('section', 'las'), body: logsText(this.figures(), ...ends()) };
       case 'GET section.glb': return { type: 'model/gltf-binary', name: named('section', 'glb'), body: this.mesh(...ends()) };
       case 'GET export.html': return { type: 'text/html', name: named('wall', 'html'), body: this.exported(ends(), query.get('address') ?? '') };
       case 'GET picks.csv': return { type: 'text/csv', name: 'picks.csv', body: picksTable(this.picks) };

@@ -284,13 +284,14 @@ function countHidden() {
 // Set the links that download the section; they are hidden in an exported file, which has no server.
 /** @param {App} app @param {string} address */
 export function links({ view, store, contents, prints, meshes, renderer: { rects } }, address) {
-  byId('csv').hidden = byId('export').hidden = contents !== null;
+  byId('csv').hidden = byId('las').hidden = byId('export').hidden = contents !== null;
   byId('glb').hidden = !meshes || contents !== null;
   byId('print').hidden = byId('svg').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
   byId('csv').href = `api/section.csv?${query}`;
+  byId('las').href = `api/section.las?${query}`;
   byId('glb').href = `api/section.glb?${query}`;
   const scale = printScale(view, rects.image);
   const look = `units=${view.units}&scale=${scale}`;

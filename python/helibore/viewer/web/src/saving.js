@@ -23,7 +23,7 @@ export function bindSaving(app) {
     if (app.store) savePicture(app);
   });
   byId('film').addEventListener('click', () => film(app));
-  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'print', 'printAll', 'svg'])) {
+  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'las', 'print', 'printAll', 'svg'])) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
       const { view, store } = app;

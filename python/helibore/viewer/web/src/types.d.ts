@@ -144,7 +144,7 @@ type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
-  & Ids<'csv' | 'export' | 'glb' | 'png' | 'print' | 'printAll' | 'svg', HTMLAnchorElement>
+  & Ids<'csv' | 'export' | 'glb' | 'las' | 'png' | 'print' | 'printAll' | 'svg', HTMLAnchorElement>
   & Ids<'colour', HTMLDetailsElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;

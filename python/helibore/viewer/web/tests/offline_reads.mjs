@@ -9,6 +9,7 @@ import { glbOf } from '../offline/glb.js';
 import { curveBytes, summaryOf } from '../offline/figures.js';
 import { historyOf } from '../offline/history.js';
 import { measure, read, rebuild, reopen, sigmaOf } from '../offline/worker.js';
+import { logsText } from '../offline/las_writing.js';
 
 const [wasm, rules, bit, ...files] = process.argv.slice(2);
 setRules(JSON.parse(readFileSync(rules, 'utf8')));
@@ -33,7 +34,7 @@ for (const file of files) {
     const [low, high] = figures.ends;
     const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
     const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, history: historyOf(rebuilt.samples.depth, rebuilt.samples.time, rebuilt.helix, vertices.radius.length), glb: await glbSum(rebuilt, low, high), sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, history: historyOf(rebuilt.samples.depth, rebuilt.samples.time, rebuilt.helix, vertices.radius.length), glb: await glbSum(rebuilt, low, high), las: logsText(figures, low, low + 0.6 * (high - low)), sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }
