@@ -21,7 +21,7 @@ for library in ("pyarrow", "lasio", "dlisio", "python_calamine", "fsspec"):
     pytest.importorskip(library)
 
 OPENED = {
-    "blank.csv", "blanks.las", "decimal.csv", "digits.csv", "equal5000.las", "escape.csv", "escape.json",
+    "angles.csv", "blank.csv", "blanks.las", "decimal.csv", "digits.csv", "equal5000.las", "escape.csv", "escape.json",
     "escape.las", "escape.npz", "exponent.csv", "format.las", "formula.csv", "image.csv", "line.csv",
     "logs.json", "mixed.csv", "named.csv", "nan.json", "null.las", "ones.las", "picks-columns.csv",
     "picks-formula.csv", "ragged.las", "sections.las", "sep.csv", "unicode.csv",

@@ -191,7 +191,7 @@ def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int, dict[
     again = Live.replay(folder / "j")
     assert bits(again.wall) == rebuilt
     kept = again.wall.samples
-    complete = stream[:found].count(b"!!")
+    complete = stream[:found].count(b"!!\r\n")  # a frame ends with its line
     given = np.column_stack([kept.toolface, kept.depth, kept.radius])
     expected = rows[: 3 * complete] * [1.0, 1.0, 0.001]
     np.testing.assert_array_equal(given[np.lexsort(given.T)], expected[np.lexsort(expected.T)])
