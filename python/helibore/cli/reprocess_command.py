@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import signal
 import sys
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -94,16 +97,24 @@ def reprocess(
             echo(f"{well}: out of date: changed since it was made: {changed}")
     else:
         seen: list[Progress] = []
+        ctrl_c: list[int] = []
+
+        def stop(number: int, _: object) -> None:
+            ctrl_c.append(number)
+            raise KeyboardInterrupt
 
         def show(progress: Progress) -> None:
+            if ctrl_c:  # Dask's callbacks of the garbage collector ignore exceptions, this one as well
+                raise KeyboardInterrupt
             seen[:] = [progress]
             if not quiet:
                 _show(progress)
 
         try:
-            found = run(
-                jobs, scheduler, workers=workers, insecure=insecure_scheduler, dashboard=dashboard, progress=show
-            )
+            with signal_handled(signal.SIGINT, stop):
+                found = run(
+                    jobs, scheduler, workers=workers, insecure=insecure_scheduler, dashboard=dashboard, progress=show
+                )
         except KeyboardInterrupt:
             counts = f"; {seen[0].sentence()}" if seen else ""
             echo(f"\nstopped{counts}: run the command again to go on, and to write the catalogue", err=True)
@@ -118,6 +129,19 @@ def reprocess(
         echo(f"{file}: cannot be written: {reason}", err=True)
     if found.failed or found.unwritten:
         click.get_current_context().exit(FAILED)
+
+
+@contextmanager
+def signal_handled(number: int, handler: Callable[[int, object], None]) -> Iterator[None]:
+    """Call a handler for a signal meanwhile, unless signals are not those of this thread or ignored."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(number) is signal.SIG_IGN:
+        yield
+        return
+    before = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
 
 
 def _show(progress: Progress) -> None:
