@@ -527,6 +527,7 @@ def uneven_passes(seed, shift):
 
 @pytest.mark.parametrize("slope", [-0.005, 0.005])
 def test_four_arms_follow_a_cable_that_stretches(slope):
+    """The hole has little shape: a shift may be some centimetres wrong, and its deviation says so."""
     found = find_shifts(*uneven_passes(41, lambda depth: slope * (depth - 20)), held=[0]).functions[1]
     off = found.shift - slope * (found.depth - 20)
     assert found.known.mean() > 0.9
