@@ -164,13 +164,13 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
             stop -= last
             columns = [column_of([row[at] for row in rows[start:stop]]) for at in range(width)]
     titles = [cell or f"column {position}" for position, cell in enumerate(titles, 1)]
-    columns, units_of_texts, spelled = read_spellings(columns, titles, False, source.options.decimal)
+    columns, units_of_texts, read_so = read_spellings(columns, titles, False, source.options.decimal)
     channels = []
     for at, label in enumerate(unique(titles)):
         unit = (units[at] if units else unit_in_name(titles[at])) or units_of_texts.get(at, "")
         described = descriptions[at] if descriptions else ""
         channels.append(Channel(label, unit, described, columns[at], source.nulls, nan_is_missing=False))
-    remarks += spelled
+    remarks += read_so
     return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + start + 1)
 
 
