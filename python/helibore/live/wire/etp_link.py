@@ -11,7 +11,6 @@ Token and password are read from the environment and appear in no text.
 from __future__ import annotations
 
 import base64
-import contextlib
 import io
 import logging
 import ssl
@@ -19,7 +18,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from helibore.base.errors import InputError, needs
 from helibore.live.wire.address import Address
@@ -27,12 +26,13 @@ from helibore.live.wire.redaction import Redactor
 from helibore.live.wire.store import retry_after
 from helibore.live.wire.transport import AccessDeniedError, BusyError, Link, Opener
 
+if TYPE_CHECKING:
+    from helibore.live.wire.web_socket import WebSocket
+
 VERSION = "etp12.energistics.org"
 """Name of ETP 1.2 as a subprotocol of WebSocket."""
 ANSWER = 10.0
 """Seconds for an answer of the server."""
-KEEP_ALIVE = 15.0
-"""Seconds after which a silent connection is checked, and after which it counts as broken."""
 AT_ONCE = 65_536
 """Bytes of messages from which no further one is stored together with them."""
 CORE, SUBSCRIBE = 0, 21
@@ -214,10 +214,9 @@ class EtpLink(Link):
         self._names: dict[int, str] = {}
         self._starts: dict[str, float] = {}
         self._metadata: dict[str, dict[str, Any]] = {}
-        self._session = contextlib.ExitStack()
-        self._socket = opener.socket(self._session)
+        self._socket = opener.socket()
         try:
-            if self._socket.subprotocol != VERSION:
+            if self._socket.spoken != VERSION:
                 raise OSError(f"{self.peer}: address: the server does not speak ETP 1.2 ({VERSION})")
             self._open_session()
             self._subscribe()
@@ -229,24 +228,21 @@ class EtpLink(Link):
         self._number += 2  # a client's numbers are even
         try:
             self._socket.send(encoded(name, body, self._number, answers))
-        except self._opener.closed as error:
+        except self._opener.ended as error:
             raise self._ended(error) from None
 
     def _receive(self, seconds: float) -> bytes | None:
         """Return a message without credentials, None if none came."""
         try:
-            message = self._socket.recv(seconds, decode=False)
-        except TimeoutError:
-            return None
-        except self._opener.closed as error:
+            message = self._socket.receive(seconds)
+        except self._opener.ended as error:
             raise self._ended(error) from None
-        return self._opener.redactor.clean(bytes(message))
+        return self._opener.redactor.clean(message) if message is not None else None
 
     def _ended(self, error: Any) -> OSError:
-        if error.sent and error.sent.code == 1009:
+        if error.too_long:
             return OSError(f"{self.peer}: message_kb: a message is longer than {self._opener.most_bytes >> 10} kB")
-        why = self._opener.redactor.clean_text(error.rcvd.reason) if error.rcvd else ""
-        return OSError(f"{self.peer}: the server closed the connection{': ' + why if why else ''}")
+        return OSError(f"{self.peer}: {self._opener.redactor.clean_text(str(error))}")
 
     def _answers(self, what: str) -> Iterator[tuple[str, dict[str, Any], dict[str, Any], bytes]]:
         """Yield the messages that come, until ANSWER seconds have passed; an exception or an end raises OSError."""
@@ -370,8 +366,7 @@ class EtpLink(Link):
             self._send("GetRanges", {"requestUuid": uuid.uuid4().bytes, "channelRanges": [asked]})
 
     def close(self) -> None:
-        with contextlib.suppress(Exception):
-            self._session.close()
+        self._socket.close()
 
 
 def _now() -> int:
@@ -401,11 +396,11 @@ class EtpOpener(Opener):
             import fastavro  # noqa: F401
         with needs("websockets", "etp"):
             import websockets.exceptions
-            import websockets.sync.client
+
+            from helibore.live.wire import web_socket
         logging.getLogger("websockets.client").setLevel(logging.WARNING)  # below, it logs headers with the secret
-        self._client: Any = websockets.sync.client
         self._errors: Any = websockets.exceptions
-        self.closed: Any = websockets.exceptions.ConnectionClosed
+        self._connect, self.ended = web_socket.WebSocket, web_socket.EndedError
         self.address, self.uris, self.names, self.most_bytes, self.position = address, uris, names, most_bytes, position
         self.redactor = Redactor(secret)
         self.proof = "token_env" if secret and not secret[0] else "user or password_env"
@@ -420,15 +415,11 @@ class EtpOpener(Opener):
             except OSError as error:
                 raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(ca)) from None
 
-    def socket(self, session: contextlib.ExitStack) -> Any:
-        """Return a WebSocket, which ``session`` closes; raise OSError if the server refuses it."""
+    def socket(self) -> WebSocket:
+        """Return a WebSocket; raise OSError if the server refuses it."""
         name = f"{self.address.host}:{self.address.port}"
         try:
-            return session.enter_context(self._client.connect(
-                self.address.url, subprotocols=[VERSION], additional_headers=self._headers, ssl=self._trust,
-                compression=None, open_timeout=ANSWER, close_timeout=2.0, max_size=self.most_bytes, proxy=None,
-                ping_interval=KEEP_ALIVE, ping_timeout=KEEP_ALIVE,
-            ))  # fmt: skip
+            return self._connect(self.address, VERSION, self._headers, self._trust, self.most_bytes, ANSWER)
         except self._errors.InvalidStatus as error:
             status, wait = error.response.status_code, retry_after(error.response.headers.get("Retry-After", ""))
             if status in (401, 403):
@@ -436,6 +427,8 @@ class EtpOpener(Opener):
             text = f"{name}: answered {status}"
             if status in OTHER_SERVER:
                 text += f": address: it may be another path, or speak no ETP 1.2 ({VERSION})"
+            elif 300 <= status < 400:
+                text += ": address: redirects are not followed"
             raise (BusyError(f"{text}: asked to wait for {wait:g} s", wait) if wait else OSError(text)) from None
         except self._errors.WebSocketException as error:  # its text may repeat what the server sent
             raise OSError(f"{name}: address: no WebSocket of ETP 1.2: {type(error).__name__}") from None

@@ -94,7 +94,7 @@ class Opener:
         """Close what stays open between two links, such as a listener."""
 
 
-def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
+def readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
     """Wait up to ``seconds`` until a socket can be read; return the sockets that can be read."""
     # unlike other selectors, a poll works with any descriptor number and needs no new descriptor
     with selectors.PollSelector() as selector:
@@ -127,7 +127,7 @@ class SocketLink(Link):
             first, self._first = self._first, b""
             return first
         beside = self._listener.watched() if self._listener else []
-        ready = _readable([self._connection, *beside], seconds)
+        ready = readable([self._connection, *beside], seconds)
         if self._connection in ready:  # before newcomers: a sender that connects again has closed this link
             payload = self._connection.recv(CHUNK)
             now = time.monotonic()
@@ -203,7 +203,7 @@ class TcpListener(Opener):
 
     def _next(self, seconds: float) -> Link | None:
         """Return the next allowed connection, or None if none came within ``seconds``."""
-        if self._newcomer is None and _readable(self.watched(), seconds):
+        if self._newcomer is None and readable(self.watched(), seconds):
             self._accept()
         if (one := self._newcomer) is None:
             return None
