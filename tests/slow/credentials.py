@@ -27,8 +27,9 @@ from test_live_store import PASSWORD, Polled, grown, with_user  # noqa: E402
 from helibore import Live  # noqa: E402
 from helibore.cli.live_log import logged  # noqa: E402
 from helibore.cli.prometheus_metrics import metrics  # noqa: E402
-from helibore.live import server, snapshot  # noqa: E402
+from helibore.live import server  # noqa: E402
 from helibore.live.kinds.witsml_stores import WitsmlStores  # noqa: E402
+from helibore.live.snapshot_files import snapshot  # noqa: E402
 from helibore.live.wire import store  # noqa: E402
 
 BASIC = base64.b64encode(f"rig7:{PASSWORD}".encode()).decode()
@@ -132,7 +133,7 @@ def main() -> None:
                     before = len(answers)
                     until(lambda before=before: len(answers) < before or not answers, 60)
                 until(lambda: it.live.wall.sample_count >= len(one.rows), 60)
-                snapshot.snapshot(it.live, Path(name) / "now")
+                snapshot(it.live, Path(name) / "now")
                 texts += [*it.reported(), metrics(it.server), *(str(alarm) for alarm in it.server.alarms.active)]
                 drawn = it.live.wall.sample_count
         again = Live.replay(Path(name) / "j")
