@@ -18,8 +18,8 @@ import numpy as np
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.logs.log_columns import CIRCLE, COLUMNS, INNER, LOBES
-from helibore.logs.worn_columns import WornColumns
+from helibore.logs.late_columns import LateColumns
+from helibore.logs.log_columns import CIRCLE, COLUMNS, INNER, LOBES, WORN
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
@@ -50,7 +50,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
         **{name: gather(columns[name], rule) for name, rule in rules.items() if rule != "own"},
-        "worn": WornColumns(worn),
+        "worn": LateColumns(WORN, worn),
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),

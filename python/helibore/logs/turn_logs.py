@@ -19,7 +19,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -34,9 +34,9 @@ from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import by_step
+from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
-from helibore.logs.log_columns import COLUMNS
-from helibore.logs.worn_columns import WornColumns
+from helibore.logs.log_columns import COLUMNS, WORN
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
 from helibore.settings.cement_settings import CementJob
@@ -46,8 +46,6 @@ from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
 Shape = Literal["wall", "arms"]
-Sections = Floats
-"""(rows, PARTS): more than a column."""
 SHAPE_TEXT: dict[Shape, str] = {
     "wall": "C1, C2, DMIN, ovality and class of hole come from the wall",
     "arms": "C1, C2, DMIN, ovality and class of hole come from the tool's arms; the wall between arms is interpolated",
@@ -142,6 +140,12 @@ class Logs(Tabular):
         of the circle through the part above 0.35 of the height, which in a key seat is the pipe's. NaN without a lobe.
     lobe2_toolface, lobe2_width, lobe2_height, lobe2_pipe
         The next lobe of the turn.
+    sections
+        The following column by its name; it is measured when it is first read.
+    section
+        (turns, 32) mean radius of the samples in each of 32 parts of the turn, metres; part p is around the toolface
+        p 360 / 32. NaN: no sample. If the wall has no samples: of its vertices. A step has none. Kinds are compared
+        with it.
     rugosity
         Root mean square of the radii over `rugosity_window` metres around the turn, after a straight line along the
         hole is subtracted in each sector. Also NaN within half a window of an end or a missing radius.
@@ -194,10 +198,6 @@ class Logs(Tabular):
         Standard uncertainty that all radii share, metres.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
-    section
-        (turns, 32) mean radius of the samples in each of 32 parts of the turn, metres; part p is around the toolface
-        p 360 / 32. NaN: no sample. If the wall has no samples: of its vertices. A step has none. Kinds are compared
-        with it.
     turns
         Logs of the turns that steps are made from; None: the rows are turns.
     path
@@ -234,7 +234,8 @@ class Logs(Tabular):
     nearest: Floats
     diameter_sigma: Floats
     age: Floats
-    worn: WornColumns = field(repr=False)
+    worn: LateColumns = field(repr=False)
+    sections: LateColumns = field(repr=False)
     bit_diameter: float
     sectors: int
     pitch: float
@@ -248,7 +249,6 @@ class Logs(Tabular):
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
     caliper_accuracy: float = 0.0
-    section: Sections = field(default_factory=lambda: np.empty((0, PARTS)))
     path: Path | None = None
     turns: Logs | None = None
 
@@ -263,6 +263,10 @@ class Logs(Tabular):
     lobe2_width = _worn("lobe2_width")
     lobe2_height = _worn("lobe2_height")
     lobe2_pipe = _worn("lobe2_pipe")
+
+    @cached_property
+    def section(self) -> Floats:
+        return self.sections["section"]
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -391,7 +395,7 @@ class Logs(Tabular):
                 "step", f"these logs already have steps of {self.step:g} m; start from the logs with one row per turn"
             )
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
-        return replace(self, step=float(step), section=np.empty((0, PARTS)), turns=self, **columns)
+        return replace(self, step=float(step), sections=sections_of(np.empty((0, PARTS))), turns=self, **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom], metres, without copying them; None: no limit."""
@@ -399,7 +403,8 @@ class Logs(Tabular):
         inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in depth order: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         arms = tuple(of[inside] for of in self.arm_diameter)
-        part = replace(self, arm_diameter=arms, section=self.section[inside], worn=self.worn.between(inside), **columns)
+        worn, sections = self.worn.between(inside), self.sections.between(inside)
+        part = replace(self, arm_diameter=arms, worn=worn, sections=sections, **columns)
         if self.turns is None:  # turns beside the part decide as well
             vars(part)["diameter_range"] = tuple(end[inside] for end in self.diameter_range)
         return part
@@ -658,7 +663,7 @@ def turn_logs(
     if turns and getattr(wall, "arms", None) is not None and found["sampled"].mean() < SEES_ALL_AROUND:
         found |= _from_arms(wall, depth, found)
     counts = _counts(wall)
-    worn = WornColumns(lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
+    worn = LateColumns(WORN, lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -683,7 +688,7 @@ def turn_logs(
         reference=reference_of(wall) or "",
         reference_assumed=reference_assumed(wall),
         with_sigma=sigma is not None,
-        section=_section(wall, turns),
+        sections=_sections(wall, turns),
         path=path,
         **found,
     )
@@ -776,18 +781,24 @@ def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, acc
     return found
 
 
-def _section(wall: WallLike, turns: int) -> Sections:
-    """Return `Logs.section`."""
+def sections_of(section: Floats) -> LateColumns:
+    """Return `Logs.sections` of sections that are measured already, (rows, PARTS), metres."""
+    return LateColumns(("section",), lambda: {"section": section})
+
+
+def _sections(wall: WallLike, turns: int) -> LateColumns:
+    """Return `Logs.sections`; the columns of ``wall`` are taken now, so that a later append does not change them."""
     helix, K = whole_helix(wall), wall.settings.sectors
     columns = getattr(wall, "sample_columns", None) or None
     if columns is None and hasattr(wall, "samples"):
         columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
     if columns is None:
-        mean = _core.vertex_sections(helix, column("radius", wall.radius)[: turns * K])
+        radius = column("radius", wall.radius)[: turns * K]
+        measure = partial(_core.vertex_sections, helix, radius)
     else:
-        places = (column(name, of) for name, of in zip(("depth", "toolface", "radius"), columns, strict=False))
-        mean = _core.turn_sections(helix, turns * K, *places)
-    return mean.reshape(turns, PARTS)
+        places = [column(name, of) for name, of in zip(("depth", "toolface", "radius"), columns, strict=False)]
+        measure = partial(_core.turn_sections, helix, turns * K, *places)
+    return LateColumns(("section",), lambda: {"section": measure().reshape(turns, PARTS)})
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

@@ -31,10 +31,10 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
+from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS
 from helibore.logs.log_columns import WORN
-from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
-from helibore.logs.worn_columns import WornColumns
+from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, sections_of, turn_logs, window_turns
 from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
@@ -478,8 +478,8 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis=wall.basis,
         basis_text=basis_text(wall.basis),
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
-        reference=run.path.reference if run.path is not None else "", path=run.path, section=section,
-        worn=WornColumns(lambda: worn),
+        reference=run.path.reference if run.path is not None else "", path=run.path,
+        worn=LateColumns(WORN, lambda: worn), sections=sections_of(section),
         **columns,
     )  # fmt: skip
     return wall, logs, over

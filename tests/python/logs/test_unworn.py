@@ -117,16 +117,17 @@ def test_a_step_has_the_highest_lobe_of_its_turns() -> None:
     np.testing.assert_allclose(steps.unworn_0, means, rtol=1e-14)
 
 
-def test_circles_and_lobes_are_those_of_the_wall_that_the_logs_were_made_from() -> None:
+def test_circles_lobes_and_sections_are_those_of_the_wall_that_the_logs_were_made_from() -> None:
     depth = np.arange(1000.0, 1002.0, 0.002)
     toolface, radius = (depth * 3571.0) % 360, 0.108 + 0.006 * (depth > 1001.0)
     live = hb.Wall(bit_diameter=0.216, sectors=16)
     live.append(depth, toolface, radius)
     early, late = live.logs(), live.logs(0.5)
-    before = early.unworn_diameter.copy()
+    before, sections = early.unworn_diameter.copy(), early.section.copy()
     live.append(depth, toolface + 1e-3, radius + 0.01)
     for of in (late, pickle.loads(pickle.dumps(late)), late.between(None, None)):
         np.testing.assert_array_equal(of.unworn_diameter, before)
+        np.testing.assert_array_equal(of.section, sections)
     assert live.logs().unworn_diameter[2] > before[2] + 0.005
     with pytest.raises(ValueError, match="read-only"):
         late.lobe1_height[0] = 1.0
