@@ -100,6 +100,22 @@ def test_a_message_above_the_limit_ends_the_connection(pieces):
         link.send(b"more")
 
 
+@pytest.mark.parametrize(
+    ("sent", "why"), [(b"\x82\x81abcdz", "mask"), (b"\xf2\x01z", "reserved bits"), (b"\x80\x01z", "continuation")]
+)
+def test_bytes_that_break_the_rules_are_named(sent, why):
+    def handler(link):
+        link.send(b"good")
+        link.socket.sendall(sent)
+        link.recv()
+
+    with served(handler) as port, connected(port) as link:
+        came, error = until_ended(link)
+    assert came == [b"good"]
+    assert "address: what came is no message of a WebSocket" in str(error)
+    assert why in str(error)
+
+
 def test_encrypted_messages_longer_than_a_record_come_whole():
     trustme = pytest.importorskip("trustme")
     authority, context = trustme.CA(), ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)

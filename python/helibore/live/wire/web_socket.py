@@ -169,6 +169,8 @@ class WebSocket:
 
     def _ended(self) -> EndedError:
         sent, received = self._protocol.close_sent, self._protocol.close_rcvd
+        if received is None and sent is not None:  # what came broke a rule
+            text = f"address: what came is no message of a WebSocket: {sent.reason}"
+            return EndedError(text, too_long=sent.code == TOO_LONG)
         why = f": {received.reason}" if received and received.reason else ""
-        too_long = received is None and sent is not None and sent.code == TOO_LONG
-        return EndedError(f"the server closed the connection{why}", too_long=too_long)
+        return EndedError(f"the server closed the connection{why}", too_long=False)
