@@ -155,15 +155,14 @@ class WallSummary:
         """Return the volume in cubic metres as text: a range where amounts are ranges."""
         return f"{_span(f'{end:,.2f}' for end in self.volume_range)} m³" if self.ranged else f"{self.volume:,.3f} m³"
 
-    def mean_text(self) -> str:
-        """Return the mean diameter in inches and millimetres as text: a range where amounts are ranges."""
-        if not self.ranged:
-            return size_text(self.mean_diameter)
+    def mean_text(self, unit: str = "") -> str:
+        """Return the mean diameter as text, a range where amounts are ranges; ``unit`` is in, mm, or "" for both."""
+        sizes = self.mean_diameter_range if self.ranged else (self.mean_diameter,)
         inches, millimetres = (
-            _span(f"{size / unit:.{digits}f}" for size in self.mean_diameter_range)
-            for unit, digits in ((INCH, 2), (MILLIMETRE, 0))
+            f"{_span(f'{size / length:.{digits}f}' for size in sizes)} {name}"
+            for name, length, digits in (("in", INCH, 3 - self.ranged), ("mm", MILLIMETRE, 1 - self.ranged))
         )
-        return f"{inches} in ({millimetres} mm)"
+        return {"in": inches, "mm": millimetres}.get(unit, f"{inches} ({millimetres})")
 
     def numbers(self) -> dict[str, str]:
         """Return the numbers for a notebook card, as texts by name; missing numbers are left out."""

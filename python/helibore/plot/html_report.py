@@ -225,7 +225,7 @@ def _summary(content: Content) -> str:
     depths = content.drawing.depth_unit.name
     if summary.whole_turns and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
-        mean = summary.mean_text()
+        mean = summary.mean_text(content.drawing.size_unit)
         sizes = f"{mean} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
         volume = (
             f"{summary.volume_text()} over {in_depth_unit(summary.whole_turns, content, 1)} {depths} of whole turns"
@@ -270,7 +270,9 @@ def _diameters(content: Content) -> str:
         has = row.whole_turns > 0
         volumes, excesses = (row.volume_range, row.excess_range) if row.ranged else ((row.volume,), (row.excess,))
         of_row = [in_unit(size, content) for size in row.mean_diameter_range[: 1 + row.ranged]]
-        decimals = (2, 0) if row.ranged else (4, 1)
+        # One digit of the width of a range, so that its ends differ.
+        width = volumes[-1] - volumes[0]
+        decimals = (max(2, -math.floor(math.log10(width))) if width > 0 else 2, 0) if row.ranged else (4, 1)
         share = 100 * row.whole_turns / max(row.whole_turns + row.incomplete_turns, 1e-9)
         volume = " to ".join(number(each, decimals[0]) for each in volumes) if has else ""
         excess = " to ".join(number(100 * each, decimals[1]) for each in excesses) if has else ""
@@ -427,8 +429,9 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     summary = content.summary()
     rows = [("Without support", f"{100 * summary.without_radius:.2f} % of the vertices: no sample in reach")]
     if math.isfinite(summary.nearest_half):
-        away = f"{summary.nearest_half * 1e3:.0f} mm away for half of the vertices, {summary.nearest_most * 1e3:.0f} mm"
-        rows.append(("Nearest sample", f"{away} for 99 %"))
+        half, most = (in_unit(away, content, 2) for away in (summary.nearest_half, summary.nearest_most))
+        unit = content.drawing.size_unit
+        rows.append(("Nearest sample", f"{half} {unit} away for half of the vertices, {most} {unit} for 99 %"))
     rows.append(("Measured", measured_text(content)))
     coverage = content.turns.coverage
     broken = int((coverage < 1).sum())
@@ -464,7 +467,8 @@ def _settings(content: Content, zones: Classification | None) -> str:
     if zones is not None:
         rows |= zones.facts()
     rows["toolface 0"] = TOOLFACE_0[content.reference] + ", assumed" * reference_assumed(content.wall)
-    return pairs([*rows.items(), *_made_from(content.wall.made_from)])
+    note = "<p>As settings state them: lengths in metres.</p>"
+    return note + pairs([*rows.items(), *_made_from(content.wall.made_from)])
 
 
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

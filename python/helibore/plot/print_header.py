@@ -61,6 +61,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     hole = [(name[:1].upper() + name[1:], text, False) for name, text in header.items() if text and name not in HEADER]
     below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.6g} {unit.name}"
     paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
+    pitch = f"{settings.pitch / unit.metres:.4g} {unit.name}"
     measured: list[tuple[str, str, bool]] = []
     if wall.basis != "gauge":  # samples of a gauge hole are not measurements
         measured.append(("Samples", f"{summary.samples:,}", False))
@@ -81,7 +82,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         *([("Survey", survey_text(content), False)] if wall.path is not None else []),
         ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
         *measured,
-        ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
+        ("Helix", f"{settings.sectors} sectors, pitch {pitch}, {summary.vertices:,} vertices", False),
     ]
 
 

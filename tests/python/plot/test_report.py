@@ -120,6 +120,24 @@ def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
     assert {f"{row.mean_diameter * 1e3:.1f}", f"{row.greatest_diameter.value * 1e3:.1f}"} <= set(metric)
 
 
+def test_sizes_of_the_summary_and_of_reach_are_in_the_units_of_the_picture(wall: hb.Wall) -> None:
+    units = {"mm": ("mm", "m"), "in": ("in", "m"), "ft": ("in", "ft")}
+    for unit, (size, depth) in units.items():
+        shown = cells(page(wall, dpi=40, polar=(), body=(), unit=unit))
+        for label in ("Diameter", "Nearest sample"):
+            text = shown[shown.index(label) + 1]
+            assert {"in", "mm"} & set(re.findall(r"[a-z]+", text)) == {size}
+        pitch = wall.settings.pitch / {"m": 1.0, "ft": 0.3048}[depth]
+        assert f"pitch {pitch:.4g} {depth}," in shown[shown.index("Helix") + 1]
+
+
+def test_the_ends_of_a_volume_range_differ(wall: hb.Wall) -> None:
+    shown = cells(page(wall, dpi=40, polar=(), body=(), unit="ft"))
+    ranges = [text.split(" to ") for text in shown if re.fullmatch(r"\d\.\d+ to \d\.\d+", text)]
+    assert ranges
+    assert all(low != high for low, high in ranges)
+
+
 def test_a_zone_has_its_extreme_and_the_depth_of_its_largest_diameter(wall: hb.Wall) -> None:
     found = wall.zones()
     worst = found.by_severity()[0]

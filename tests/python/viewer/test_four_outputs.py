@@ -202,7 +202,9 @@ def test_page_print_report_and_terminal_say_the_same_of_twenty_walls(
         assert measured
         assert numbers(section["Measured"])[0] == pytest.approx(float(measured[1]), abs=0.056)
         # The section is the whole wall, whose mean diameter the terminal prints, too.
-        assert summary.mean_text().split(" in")[0].strip() in diameter[1]
+        size_unit = Drawing(unit=unit).size_unit
+        assert diameter[1].startswith(f"{summary.mean_text(size_unit)} mean, ")
+        assert {"in", "mm"} & set(re.findall(r"[a-z]+", diameter[1])) == {size_unit}
         assert summary.mean_text().split(" in")[0].strip() in terminal["diameter"]
     assert screen is not None
     screen.close()
