@@ -33,8 +33,9 @@ REFERENCE = re.compile(rb"""\sr\s*=\s*["']\s*([A-Za-z]*)([0-9]*)""")
 LOOSE = re.compile(rb"<(?:\w+:)?row(?![^<]*?\sr\s*=)[\s/>]")
 """A row that states no position."""
 
-SHARED = re.compile(rb"""\st\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v>\s*(\d{1,9})\s*<""")
-"""The number of a shared text, in a cell that names one."""
+SHARED = re.compile(rb"""<(?:\w+:)?c(?>[^<>]*?\st\s*=)\s*["']s["'][^<>]*>\s*<(?:\w+:)?v>\s*(\d{1,9})\s*<""")
+"""The number of a shared text, in a cell that names one. The first type of a tag is its type: to try all would take the
+square of the length of a tag that has many."""
 
 SHARED_TEXT = re.compile(rb"<(?:\w+:)?si[\s>/]")
 """The start of a shared text."""
@@ -71,13 +72,15 @@ def read(source: InputFile) -> RawFile:
 
 def _before_tags(pieces: Iterator[bytes]) -> Iterator[bytes]:
     """Yield the text of pieces in pieces that end before a "<", so that no tag is divided."""
-    rest = b""
+    rest: list[bytes] = []  # joined once: a long text without a tag would else be copied with every piece
     for more in pieces:
-        text = rest + more
-        end = max(text.rfind(b"<"), 0)
-        yield text[:end]
-        rest = text[end:]
-    yield rest
+        end = more.rfind(b"<")
+        if end < 0:
+            rest.append(more)
+            continue
+        yield b"".join((*rest, more[:end]))
+        rest = [more[end:]]
+    yield b"".join(rest)
 
 
 def _column(letters: bytes) -> int:
@@ -98,14 +101,20 @@ def _check_extent(source: InputFile) -> None:
     place, packed = source.path.name, source.path.stat().st_size
     unpacked = 0
     uses: list[bytes] = []
+
+    def counted(pieces: Iterator[bytes]) -> Iterator[bytes]:
+        nonlocal unpacked
+        for piece in pieces:
+            unpacked += len(piece)
+            check_unpacked(place, unpacked, packed)
+            yield piece
+
     try:
         with source.path.open("rb") as file, zipfile.ZipFile(file) as archive:
             check_limit(place, "members", len(archive.infolist()))
             for entry in archive.infolist():
                 columns = rows = loose = 0
-                for text in _before_tags(zip_pieces(source, file, entry)):
-                    unpacked += len(text)
-                    check_unpacked(place, unpacked, packed)
+                for text in _before_tags(counted(zip_pieces(source, file, entry))):
                     for letters, digits in set(REFERENCE.findall(text)):
                         columns = max(columns, _column(letters))
                         rows = max(rows, int(digits[:9] or b"0"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
@@ -12,6 +13,8 @@ import pytest
 from golden_texts import Golden
 
 import helibore as hb
+from helibore.files import spreadsheet
+from helibore.files.input_file import zip_pieces
 
 pytest.importorskip("python_calamine")
 
@@ -135,8 +138,35 @@ def test_damaged_packages_are_refused(tmp_path: Path, golden: Golden) -> None:
     with golden.raises():
         hb.open(path)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
-        book.writestr("xl/workbook.xml", b" " * (1 << 27))
+        book.writestr("xl/workbook.xml", b" " * (40 << 20))
     with golden.raises():
+        hb.open(path)
+
+
+def test_a_bomb_is_refused_before_the_rest_of_it_is_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No tag divides the text, so nothing of it could be searched before its end."""
+    path, read = tmp_path / "s.xlsx", []
+
+    def pieces(*given: Any) -> Iterator[bytes]:
+        for piece in zip_pieces(*given):
+            read.append(len(piece))
+            yield piece
+
+    monkeypatch.setattr(spreadsheet, "zip_pieces", pieces)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("xl/workbook.xml", b" " * (40 << 20))
+    with pytest.raises(hb.InputError, match="refused as a bomb"):
+        hb.open(path)
+    assert sum(read) <= (33 << 20)
+
+
+@pytest.mark.parametrize("part", [b'<c t="s" ', b' t="s"', b"<row ", b' r="', b" t='s'> "])
+def test_tags_that_never_end_are_searched_once(tmp_path: Path, part: bytes) -> None:
+    """If each start were searched to the end of the text, this would take hours."""
+    path = tmp_path / "s.xlsx"
+    with zipfile.ZipFile(path, "w") as book:
+        book.writestr("xl/workbook.xml", b"<c" + part * (2_000_000 // len(part)))
+    with pytest.raises(hb.InputError, match="truncated or damaged workbook"):
         hb.open(path)
 
 
