@@ -110,7 +110,7 @@ def test_criteria_are_those_of_the_command_line_and_of_the_settings_of_another_c
         assert done.exit_code == 0, done.output
         return " ".join(done.output.split())
 
-    page, look = tmp_path / "a.html", ("--unit", "in", "--no-body", "--no-polar", "--dpi", 40)
+    page, look = tmp_path / "a.html", ("--unit", "in", "--no-body", "--no-polar", "--dpi", 40, "--to", 2003)
     usual = "washout C2 − bit at least 0.5 in, breakout C1 − C2 at least 1 in"
     run("report", archive, "-o", page, *look)
     assert usual in page.read_text()

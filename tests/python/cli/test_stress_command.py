@@ -18,6 +18,9 @@ from helibore.logs.picks import Pick
 BIT = 0.2159
 AXIS = 40.0
 
+QUICK = ("--no-body", "--no-polar", "--dpi", "30")
+"""Pictures that these tests do not look at."""
+
 
 @pytest.fixture(scope="module")
 def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -88,7 +91,7 @@ def test_a_report_with_the_stress_and_the_cement_of_a_project(wall: Path, tmp_pa
         "previous_inner = '8.8in'\ntop = 1006.0\nexcess = 0.2\ninner_diameter = '6.3in'\n"
     )
     project.write_text(f"archive = '{wall}'\n{tables}")
-    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page)])
+    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page), *QUICK])
     assert done.exit_code == 0, done.output
     text = page.read_text()
     assert re.search("SHmax</th><td>(129|130|131)° from true north", text)
@@ -102,18 +105,18 @@ def test_a_report_with_the_stress_and_the_cement_of_a_project(wall: Path, tmp_pa
     assert volumes["total"] == pytest.approx(sum(volumes[name] for name in ("rat hole", "open hole", "lap")), abs=0.02)
     assert volumes["displacement"] == pytest.approx(np.pi / 4 * 0.16002**2 * 1024, abs=0.006)
     again = tmp_path / "again.html"
-    assert CliRunner().invoke(cli, ["report", f"{page}.toml", "-o", str(again)]).exit_code == 0
+    assert CliRunner().invoke(cli, ["report", f"{page}.toml", "-o", str(again), *QUICK]).exit_code == 0
     assert re.findall(r'<section id="cement">.*?</section>', again.read_text(), re.DOTALL) == re.findall(
         r'<section id="cement">.*?</section>', text, re.DOTALL
     )
     project.write_text(f"archive = '{wall}'\n[cement]\ncasing = '7in'\n")
-    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page)])
+    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page), *QUICK])
     assert done.exit_code != 0
     assert "shoe: must be stated in [cement]" in done.output
 
 
 def test_without_cement_and_stress_the_report_has_no_such_sections(wall: Path, tmp_path: Path) -> None:
-    assert CliRunner().invoke(cli, ["report", str(wall), "-o", str(tmp_path / "r.html")]).exit_code == 0
+    assert CliRunner().invoke(cli, ["report", str(wall), "-o", str(tmp_path / "r.html"), *QUICK]).exit_code == 0
     text = (tmp_path / "r.html").read_text()
     assert 'id="cement"' not in text
     assert 'id="stress"' not in text
