@@ -1,6 +1,7 @@
 """Measure how often the zones of holes with one known hazard are right, and what a measured vertex is worth.
 
     python -m bench.accuracy.hazards [HOLES] [FIRST] [FAMILY]          holes for each tool and kind (3), first seed (0)
+    python -m bench.accuracy.hazards quiet [HOLES] [FIRST] [FAMILY]    quiet holes only: 28 for each are 10,080 m
     python -m bench.accuracy.hazards vertices [HOLES] [FIRST] [FAMILY] errors of vertices that count as measured
 
 Each hole is 12 m of 8.5 in hole with one hazard of 1.5 to 5 m, or a quiet hole: gauge, oval, with a ledge, a spiral, or
@@ -10,7 +11,10 @@ corners, flat bottoms, uneven sides and more rough rock: they are for verificati
     right          a hole with a hazard: zones of its kind cover most of it; a quiet hole: no zone; for all zones,
                    and for the filled ones (confidence of 0.8 or more) in brackets
     filled, wrong  filled zones of another kind than the hole has, or beside its hazard
-    said, true     mean confidence of the zones in five classes of it, and the share that is right
+    touched        holes with a breakout or key seat in which a reading lies at least 6.35 mm outside the wall as it was
+                   before it wore (X-Y: half of a diameter's growth). In the others no reading shows a lobe
+    said, true     mean confidence of the zones in five classes of it, and the share that is right; the calibration
+                   error is their mean difference, weighted by the number of zones
 """
 
 from __future__ import annotations
@@ -32,19 +36,25 @@ TOOLS = ("rotating", "transducers", "X-Y", "four arms", "six arms", "telemetry")
 HAZARDS = ("breakout", "key seat", "washout", "undergauge")
 QUIET = ("gauge", "oval", "ledge", "spiral", "noise")
 FAMILIES = ("plain", "odd")
+LOBED = ("breakout", "key seat")
 FILLED = 0.8
+TOUCHED = 0.25 * INCH
 Shape = Callable[[Floats, Floats], Floats]
 
 
 @dataclass(frozen=True)
 class Hole:
-    """A hole with the radius ``radius`` (depth, toolface), and a hazard of ``kind`` between ``top`` and ``bottom``."""
+    """A hole with the radius ``radius`` (depth, toolface), and a hazard of ``kind`` between ``top`` and ``bottom``.
+
+    ``unworn`` is its radius without the hazard.
+    """
 
     kind: str
     top: float
     bottom: float
     noise: float
     radius: Shape
+    unworn: Shape
 
 
 def away_from(toolface: Floats, towards: float) -> Floats:
@@ -92,8 +102,8 @@ def hole(kind: str, family: str, rng: np.random.Generator, centred: bool) -> Hol
             return np.asarray(np.clip(2.5 * (1 - place), 0, 1))
         return np.maximum(1 - place**2, 0) ** sharp
 
-    def of(depth: Floats, toolface: Floats) -> Floats:
-        worn = np.clip((depth - top) / ends, 0, 1) * np.clip((bottom - depth) / ends, 0, 1)
+    def of(depth: Floats, toolface: Floats, hazard: float = 1.0) -> Floats:
+        worn = hazard * np.clip((depth - top) / ends, 0, 1) * np.clip((bottom - depth) / ends, 0, 1)
         along = offset * np.exp(1j * np.radians(towards + turn * depth))
         if kind == "spiral":
             along = along + swing * np.exp(2j * np.pi * depth / period)
@@ -118,7 +128,8 @@ def hole(kind: str, family: str, rng: np.random.Generator, centred: bool) -> Hol
         return out
 
     ends_of_it = (top, bottom) if kind in HAZARDS else (np.inf, np.inf)
-    return Hole(kind, *ends_of_it, 0.0015 if kind == "noise" else 0.0005, of)
+    noise = 0.0015 if kind == "noise" else 0.0005
+    return Hole(kind, *ends_of_it, noise, of, lambda depth, toolface: of(depth, toolface, 0.0))
 
 
 def _circle(centre: Floats, radius: Floats | float, toolface: Floats) -> Floats:
@@ -159,19 +170,29 @@ def samples(tool: str, of: Hole, rng: np.random.Generator) -> hb.Caliper:
     return hb.Caliper(depth, toolface, radius + noise, arm=arm)
 
 
-def walls(tool: str, kinds: tuple[str, ...], seeds: range, family: str) -> Iterator[tuple[Hole, hb.Wall]]:
+def is_touched(tool: str, of: Hole, read: hb.Caliper) -> bool:
+    """Return whether a reading of ``tool`` shows the hazard, if the wall before it wore is known."""
+    depth, toolface = np.asarray(read.depth), np.asarray(read.toolface)
+    grown = of.radius(depth, toolface) - of.unworn(depth, toolface)
+    if tool == "X-Y":
+        grown = (grown + of.radius(depth, toolface + 180) - of.unworn(depth, toolface + 180)) / 2
+    return bool(np.any(grown >= TOUCHED))
+
+
+def walls(tool: str, kinds: tuple[str, ...], seeds: range, family: str) -> Iterator[tuple[Hole, hb.Wall, hb.Caliper]]:
     for seed in seeds:
         for number, kind in enumerate(kinds):
             rng = np.random.default_rng([seed, number, TOOLS.index(tool), FAMILIES.index(family)])
             of = hole(kind, family, rng, tool == "X-Y")
-            yield of, hb.reconstruct(samples(tool, of, rng), bit_diameter=BIT)
+            read = samples(tool, of, rng)
+            yield of, hb.reconstruct(read, bit_diameter=BIT), read
 
 
 def vertices(seeds: range, family: str) -> None:
     every = []
     for tool in (*TOOLS, "all"):
         parts = every if tool == "all" else []
-        for of, wall in walls(tool, (*HAZARDS, *QUIET), seeds, family) if tool != "all" else ():
+        for of, wall, _ in walls(tool, (*HAZARDS, *QUIET), seeds, family) if tool != "all" else ():
             depth, toolface = wall.depth, wall.toolface
             true = of.radius(depth, toolface)
             if tool == "X-Y":  # it measures diameters, and the radii of its samples are their halves
@@ -206,14 +227,23 @@ def judged(of: Hole, zones: tuple[hb.Zone, ...]) -> tuple[str, list[tuple[hb.Zon
     return said if over[said] > 0 else "", verdicts
 
 
-def kinds(seeds: range, family: str) -> None:
+def share(right: list[bool]) -> str:
+    return f"{100 * np.mean(right):.1f} % of {len(right)}" if right else "none of 0"
+
+
+def kinds(seeds: range, family: str, of_kinds: tuple[str, ...]) -> None:
     every: list[tuple[float, bool]] = []
-    wrong = total = 0
+    every_hazard: list[bool] = []
+    every_touched: list[bool] = []
+    wrong = total = quiet = false = 0
     for tool in TOOLS:
         right: dict[str, list[bool]] = defaultdict(list)
         filled_right: dict[str, list[bool]] = defaultdict(list)
         confused: dict[str, int] = defaultdict(int)
-        for of, wall in walls(tool, (*HAZARDS, *QUIET), seeds, family):
+        hazards: list[bool] = []
+        touched: list[bool] = []
+        lobed = 0
+        for of, wall, read in walls(tool, of_kinds, seeds, family):
             zones = wall.zones().zones
             filled = tuple(zone for zone in zones if confidence(zone) >= FILLED)
             said, verdicts = judged(of, zones)
@@ -222,6 +252,14 @@ def kinds(seeds: range, family: str) -> None:
             right[of.kind].append(said == of.kind if is_hazard else not zones)
             filled_right[of.kind].append(sure == of.kind if is_hazard else not filled)
             every += [(confidence(zone), is_right) for zone, is_right in verdicts]
+            if is_hazard:
+                hazards.append(said == of.kind)
+                lobed += of.kind in LOBED
+                if of.kind not in LOBED or is_touched(tool, of, read):
+                    touched.append(said == of.kind)
+            else:
+                quiet += 1
+                false += len(filled)
             faults = [zone for zone, is_right in verdicts if not is_right and zone in filled]
             wrong += bool(faults)
             total += 1
@@ -230,14 +268,28 @@ def kinds(seeds: range, family: str) -> None:
         line = "  ".join(f"{kind} {sum(of)}({sum(filled_right[kind])})/{len(of)}" for kind, of in right.items())
         print(f"{tool:12s} {line}")
         faulty = ", ".join(f"{number} {name}" for name, number in confused.items()) or "none"
-        print(f"{'':12s} filled and wrong: {faulty}", flush=True)
-    print(f"{total} holes, {wrong} with a filled and wrong zone")
+        print(f"{'':12s} filled and wrong: {faulty}")
+        if hazards:
+            untouched = f"{len(hazards) - len(touched)} of {lobed} lobed holes are not touched"
+            print(f"{'':12s} right: {share(hazards)}; {untouched}, right of the others: {share(touched)}", flush=True)
+        every_hazard += hazards
+        every_touched += touched
+    print(f"{total} holes, {wrong} with a filled and wrong zone ({100 * wrong / max(total, 1):.1f} %)")
+    if every_hazard:
+        print(f"hazards of the right kind: {share(every_hazard)}; where touched: {share(every_touched)}")
+    if quiet:
+        metres = quiet * LENGTH
+        print(f"{false} filled zones in {metres:,.0f} m of quiet hole: {1000 * false / metres:.2f} in 1,000 m")
     said, true = np.array(every, dtype=float).T if every else np.empty((2, 0))
+    apart = 0.0
     edges = np.array([0, 0.6, 0.7, 0.8, 0.9, 1.01])
     for low, high in itertools.pairwise(edges):
         inside = (said >= low) & (said < high)
         if inside.any():
+            apart += inside.sum() * abs(said[inside].mean() - true[inside].mean())
             print(f"confidence {said[inside].mean():.2f}: {true[inside].mean():.2f} right of {inside.sum()} zones")
+    if said.size:
+        print(f"calibration error {apart / said.size:.3f}")
 
 
 if __name__ == "__main__":
@@ -247,4 +299,4 @@ if __name__ == "__main__":
     if "vertices" in sys.argv:
         vertices(range(first, first + count), families[0])
     else:
-        kinds(range(first, first + count), families[0])
+        kinds(range(first, first + count), families[0], QUIET if "quiet" in sys.argv else (*HAZARDS, *QUIET))
