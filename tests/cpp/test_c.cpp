@@ -21,6 +21,7 @@
 #include "helibore/zones.hpp"
 #include "hole.hpp"
 #include "host.hpp"
+#include "measure/zone_columns.hpp"
 
 namespace {
 
@@ -235,6 +236,51 @@ void zones() {
     CHECK(hb_close(wall) == HB_OK);
 }
 
+// A breakout that two diameters at right angles measured: the arms give its C1 and C2, not the rounder wall.
+void zones_of_arms() {
+    std::vector<double> depth, toolface, radius;
+    std::vector<std::int64_t> arm;
+    for (int row = 0; row < 201; ++row)
+        for (int end = 0; end < 4; ++end) {
+            depth.push_back(100.0 + 0.05 * row), toolface.push_back(30.0 + 90.0 * end), arm.push_back(end % 2);
+            radius.push_back(end % 2 == 0 && row >= 80 && row < 120 ? 0.128 : 0.108);
+        }
+    const std::int64_t wall = new_wall();
+    CHECK(append(wall, {depth, toolface, radius}) == HB_OK);
+    auto criteria = sized<hb_zone_criteria>();
+    CHECK(hb_zone_criteria_init(&criteria) == HB_OK);
+    const auto found = [&](std::int64_t n, Bits& bits) {
+        std::int64_t turns = 0, count = 0;
+        const auto call = [&](std::int32_t* kinds, double* values) {
+            return hb_wall_arm_zones(wall, &criteria, n, depth.data(), toolface.data(), radius.data(), arm.data(),
+                                     nullptr, &turns, kinds, &count, values);
+        };
+        CHECK(call(nullptr, nullptr) == HB_BUFFER_TOO_SMALL);
+        std::vector<std::int32_t> kinds(static_cast<std::size_t>(turns));
+        std::vector<double> zones(static_cast<std::size_t>(count * HB_ZONE_COLUMNS));
+        CHECK(call(kinds.data(), zones.data()) == HB_OK);
+        add(bits, std::vector<double>(kinds.begin(), kinds.end()));
+        add(bits, zones);
+    };
+    const auto all = std::ssize(depth);
+    Bits by_arms, by_wall, of_cpp;
+    found(all, by_arms), found(0, by_wall);
+    CHECK(by_arms != by_wall);
+    helibore::Wall expected({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0});
+    expected.append({depth, toolface, radius});
+    const helibore::VertexColumns v = expected.vertices();
+    const auto samples = expected.samples();
+    const helibore::Zones zones =
+        helibore::wall_zones({.start_depth = 100.0, .pitch = 0.05, .sectors = 48, .count = std::ssize(v.radius)},
+                             v.radius, {{samples[0], samples[1]}, samples[2], {depth, toolface, radius, arm}}, 0.216);
+    for (const helibore::HoleKind kind : zones.kinds) add(of_cpp, {{static_cast<double>(kind)}});
+    std::vector<double> columns(zones.zones.size() * HB_ZONE_COLUMNS);
+    helibore::fill_zones(zones.zones, columns.data());
+    add(of_cpp, columns);
+    CHECK(by_arms == of_cpp);
+    CHECK(hb_close(wall) == HB_OK);
+}
+
 std::int64_t new_live() {
     const hb_settings settings = settings_of();
     hb_path_settings path = path_settings();
@@ -343,6 +389,15 @@ void bad_input() {
     CHECK(criteria.elongation == 0.0254 && criteria.join == 1.0 && criteria.largest_gap == 60.0);
     REFUSED(hb_wall_zones(wall, &criteria, nullptr, nullptr, &count, out), "count: must not be null");
     CHECK(hb_wall_zones(wall, &criteria, &count, nullptr, &count, nullptr) == HB_OK && count == 0);  // an empty wall
+    const std::int64_t arm[] = {0, 1};
+    const auto arms = [&](std::int64_t n, const double* toolfaces, const std::int64_t* arm_of) {
+        return hb_wall_arm_zones(wall, &criteria, n, good, toolfaces, good, arm_of, nullptr, &count, nullptr, &count,
+                                 nullptr);
+    };
+    REFUSED(arms(2, good, nullptr), "arm: must not be null");
+    REFUSED(arms(2, nullptr, arm), "toolface: must not be null");
+    REFUSED(arms(-1, good, arm), "n = -1: must be 0 or more");
+    REFUSED(arms(2, bad, arm), "toolface[1] = nan: must be finite");
     REFUSED(hb_wall_surface(wall, 0, 0, 0, nullptr, out, nullptr, &count, nullptr), "count: must not be null");
     REFUSED(hb_ranges(wall, nullptr, nullptr), "count: must not be null");
     REFUSED(hb_path_create(&how, 2, good, nullptr, one, &none), "inclination: must not be null");
@@ -687,6 +742,9 @@ void not_open() {
         REFUSED(hb_wall_interpolate(wall, 0, nullptr, &n, out), of(wall));
         REFUSED(hb_wall_logs(wall, 5, &n, out), of(wall));
         REFUSED(hb_wall_zones(wall, &criteria, &n, nullptr, &n, out), of(wall));
+        REFUSED(
+            hb_wall_arm_zones(wall, &criteria, 0, nullptr, nullptr, nullptr, nullptr, nullptr, &n, nullptr, &n, out),
+            of(wall));
         REFUSED(hb_wall_surface(wall, 0, 0, 0, &n, out, nullptr, &n, whole), of(wall));
         REFUSED(hb_path_read(path, 0, nullptr, nullptr, nullptr), of(path));
         REFUSED(hb_live_append_samples(live, 0, nullptr, nullptr, nullptr, nullptr), of(live));
@@ -1026,6 +1084,7 @@ int main() {
     CHECK(std::string(hb_version()) == "0.1.0" && hb_instruction_set() == helibore::instruction_set_in_use());
     same_numbers_as_cpp();
     zones();
+    zones_of_arms();
     live();
     wits();
     older_struct();

@@ -244,13 +244,21 @@ typedef struct hb_zone_criteria {
 HB_API int32_t HB_CALL hb_zone_criteria_init(hb_zone_criteria* criteria);
 
 /* Finds the zones of a wall: washouts, breakouts, key seats and undergauge hole, in order of depth. Of a tool with few
-   arms the shape is that of the wall, which is rounder between the arms than the hole. kinds: of each full turn, -1
-   none, 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge; may be NULL. Fills column after column: the 20
-   numbers of a Zone in the order of zones.hpp, a lobe as toolface, opening, height: HB_ZONE_COLUMNS times *count
-   values. */
+   arms the shape is that of the wall, which is rounder between the arms than the hole: see hb_wall_arm_zones. kinds: of
+   each full turn, -1 none, 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge; may be NULL. Fills column after
+   column: the 20 numbers of a Zone in the order of zones.hpp, a lobe as toolface, opening, height: HB_ZONE_COLUMNS
+   times *count values. */
 #define HB_ZONE_COLUMNS 20
 HB_API int32_t HB_CALL hb_wall_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t* turns, int32_t* kinds,
                                      int64_t* count, double* values);
+
+/* As hb_wall_zones, for a tool with few arms: C1, C2, the least diameter and the axis of each turn are those that the
+   arms measured, as by wall_zones of C++ with ArmSamples. n samples of the wall in any order, and the number of the
+   arm that measured each; the two ends of a diameter may have one number or two. time may be NULL. */
+HB_API int32_t HB_CALL hb_wall_arm_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t n, const double* depth,
+                                         const double* toolface, const double* radius, const int64_t* arm,
+                                         const double* time, int64_t* turns, int32_t* kinds, int64_t* count,
+                                         double* values);
 
 /* Computes the passage of a rigid string of bodies at each full turn, along a path (0: straight down); passage.hpp says
    more. start, stop: metres down the axis from the middle of the string; diameter: outer, metres (0: the clearance is

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/host_memory.hpp"
 #include "base/threads.hpp"
 #include "c/handles.hpp"
 #include "helibore/estimates.hpp"
@@ -15,6 +16,7 @@
 #include "helibore/surface.hpp"
 #include "helibore/zones.hpp"
 #include "measure/zone_columns.hpp"
+#include "samples/row_rules.hpp"
 
 namespace {
 
@@ -194,6 +196,25 @@ Range all_of(const Wall& wall) {
     return {first, first + wall.size()};
 }
 
+// The zones of a wall whose shape, if samples of arms are given, is that of the arms.
+void find_wall_zones(int64_t wall, const hb_zone_criteria* criteria, const SampleColumns& of_arms,
+                     const std::vector<Index>& arm, int64_t* turns, int32_t* kinds, int64_t* count, double* values) {
+    const auto handle = find<WallHandle>("wall", wall);
+    const hb_zone_criteria with = taken("criteria", criteria, to_c(ZoneCriteria{}, usual_measured_rule));
+    const ZoneCriteria limits{with.elongation, with.washout,       with.key_seat,     with.undergauge,
+                              with.symmetry,   with.opening_level, with.least_length, with.join};
+    MeasuredRule rule = usual_measured_rule;
+    rule.gap_reach = with.gap_reach, rule.largest_gap = with.largest_gap;
+    const WallRadii of(*handle->read, all_of(*handle->read));
+    const auto samples = handle->read->samples();
+    const ArmSamples arms{of_arms.depth, of_arms.toolface, of_arms.radius, arm, of_arms.time, of.settings.max_distance};
+    const Zones found = wall_zones(of.vertices(), of.radius, {{samples[0], samples[1]}, samples[2], arms},
+                                   of.settings.bit_diameter, limits, rule, of.settings.threads);
+    require_room({turns, count}, {std::ssize(found.kinds), std::ssize(found.zones)});
+    copy_to(kinds, found.kinds);
+    fill_zones(found.zones, array("values", values, HB_ZONE_COLUMNS * *count).data());
+}
+
 }  // namespace
 
 const char* hb_version(void) {
@@ -346,20 +367,20 @@ int32_t hb_zone_criteria_init(hb_zone_criteria* criteria) {
 
 int32_t hb_wall_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t* turns, int32_t* kinds, int64_t* count,
                       double* values) {
+    return guarded([&] { find_wall_zones(wall, criteria, {}, {}, turns, kinds, count, values); });
+}
+
+int32_t hb_wall_arm_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t n, const double* depth,
+                          const double* toolface, const double* radius, const int64_t* arm, const double* time,
+                          int64_t* turns, int32_t* kinds, int64_t* count, double* values) {
     return guarded([&] {
-        const auto handle = find<WallHandle>("wall", wall);
-        const hb_zone_criteria with = taken("criteria", criteria, to_c(ZoneCriteria{}, usual_measured_rule));
-        const ZoneCriteria limits{with.elongation, with.washout,       with.key_seat,     with.undergauge,
-                                  with.symmetry,   with.opening_level, with.least_length, with.join};
-        MeasuredRule rule = usual_measured_rule;
-        rule.gap_reach = with.gap_reach, rule.largest_gap = with.largest_gap;
-        const WallRadii of(*handle->read, all_of(*handle->read));
-        const auto samples = handle->read->samples();
-        const Zones found = wall_zones(of.vertices(), of.radius, {{samples[0], samples[1]}, samples[2]},
-                                       of.settings.bit_diameter, limits, rule, of.settings.threads);
-        require_room({turns, count}, {std::ssize(found.kinds), std::ssize(found.zones)});
-        copy_to(kinds, found.kinds);
-        fill_zones(found.zones, array("values", values, HB_ZONE_COLUMNS * *count).data());
+        const SampleColumns given = samples_of(n, depth, toolface, radius, time);
+        const std::span<const Index> arms = array("arm", arm, n);
+        const std::vector<double> depths = copied(given.depth), toolfaces = copied(given.toolface),
+                                  radii = copied(given.radius), times = copied(given.time);
+        const SampleColumns samples{depths, toolfaces, radii, times};
+        check_rows({&samples, 1});
+        find_wall_zones(wall, criteria, samples, {arms.begin(), arms.end()}, turns, kinds, count, values);
     });
 }
 

@@ -89,9 +89,9 @@ toolface[17] = -inf: must be finite
 NAMES = """close instruction_set last_error live_append_image live_append_samples live_append_stations live_create
 live_event live_image live_path live_poll live_wall path_create path_read path_settings_init preparation_init
 prepare prepared_get prepared_samples prepared_suspects ranges settings_init
-use_runner version wall_angular_gaps wall_append wall_create wall_estimate wall_get wall_interpolate wall_logs
-wall_passage wall_read wall_samples wall_sigma wall_surface wall_volume wall_zones wits_create wits_feed wits_items
-zone_criteria_init"""
+use_runner version wall_angular_gaps wall_append wall_arm_zones wall_create wall_estimate wall_get wall_interpolate
+wall_logs wall_passage wall_read wall_samples wall_sigma wall_surface wall_volume wall_zones wits_create wits_feed
+wits_items zone_criteria_init"""
 
 
 def test_the_shared_library_exports_the_names_of_its_header(build: Path) -> None:
