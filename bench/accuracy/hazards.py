@@ -13,6 +13,7 @@ corners, flat bottoms, uneven sides and more rough rock: they are for verificati
     filled, wrong  filled zones of another kind than the hole has, or beside its hazard
     touched        holes with a breakout or key seat in which a reading lies at least 6.35 mm outside the wall as it was
                    before it wore (X-Y: half of a diameter's growth). In the others no reading shows a lobe
+    without        hazards without key seats of X-Y tools: a slot has the diameters of two lobes of half its height
     said, true     mean confidence of the zones in five classes of it, and the share that is right; the calibration
                    error is their mean difference, weighted by the number of zones
 """
@@ -235,6 +236,7 @@ def kinds(seeds: range, family: str, of_kinds: tuple[str, ...]) -> None:
     every: list[tuple[float, bool]] = []
     every_hazard: list[bool] = []
     every_touched: list[bool] = []
+    every_distinct: list[bool] = []
     wrong = total = quiet = false = 0
     for tool in TOOLS:
         right: dict[str, list[bool]] = defaultdict(list)
@@ -254,6 +256,8 @@ def kinds(seeds: range, family: str, of_kinds: tuple[str, ...]) -> None:
             every += [(confidence(zone), is_right) for zone, is_right in verdicts]
             if is_hazard:
                 hazards.append(said == of.kind)
+                if (tool, of.kind) != ("X-Y", "key seat"):
+                    every_distinct.append(said == of.kind)
                 lobed += of.kind in LOBED
                 if of.kind not in LOBED or is_touched(tool, of, read):
                     touched.append(said == of.kind)
@@ -277,6 +281,7 @@ def kinds(seeds: range, family: str, of_kinds: tuple[str, ...]) -> None:
     print(f"{total} holes, {wrong} with a filled and wrong zone ({100 * wrong / max(total, 1):.1f} %)")
     if every_hazard:
         print(f"hazards of the right kind: {share(every_hazard)}; where touched: {share(every_touched)}")
+        print(f"without key seats of X-Y tools, which read as breakouts do: {share(every_distinct)}")
     if quiet:
         metres = quiet * LENGTH
         print(f"{false} filled zones in {metres:,.0f} m of quiet hole: {1000 * false / metres:.2f} in 1,000 m")
