@@ -30,10 +30,16 @@ GRID = np.arange(-round(MOST / STEP), round(MOST / STEP) + 1) * STEP
 APART = 0.12
 """Metres; a shift is known if it lies within this with a probability of 98 %."""
 
+CALM, RESTLESS = 0.003, 0.01
+"""Metres in 5 cm: greatest wander of a cable that stretches, and least of a pass that moves to and fro."""
+
 FINEST = STEP / np.sqrt(12.0)
 """Metres: least deviation of a shift, which may lie anywhere between two trial shifts."""
 
-_WANDERS = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1)  # metres in 5 cm of depth
+_WANDERS = (0.0003, 0.001, CALM, RESTLESS, 0.03, 0.1)  # metres in 5 cm of depth
+_NEARLY = (
+    1.0  # logarithm of evidence: a pass that is nearly as likely to move to and fro does; else it is sure and wrong
+)
 _JUMP = 1e-12  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
 _ROWS_AT_ONCE = 256
 STRETCH = 2.0
@@ -156,8 +162,8 @@ def _probabilities(depth: Floats, fits: Floats, wanders: tuple[float, ...]) -> t
     best, chosen, most = np.empty(0), wanders[0], -np.inf
     for wander in wanders:
         forward, evidence = _forward(likelihood, gaps, wander)
-        if evidence > most:
-            best, chosen, most = forward, wander, evidence
+        if evidence > most - (_NEARLY if (chosen, wander) == (CALM, RESTLESS) else 0.0):
+            best, chosen, most = forward, wander, max(evidence, most)
     backward = np.ones(GRID.size)
     kernels = _kernels(gaps, chosen)
     for row in range(depth.size - 2, -1, -1):

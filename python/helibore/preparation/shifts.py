@@ -24,6 +24,7 @@ from helibore.preparation.depth_paths import (
     APART,
     FINEST,
     GRID,
+    RESTLESS,
     STEP,
     DepthPath,
     find_path,
@@ -41,7 +42,7 @@ _AT_ONCE = 4  # most passes in place with which a pass is matched, those that it
 _REPORTED = 0.01  # share of the rows whose shift is not known, from which a pass is reported
 _REPEATED = 0.6  # correlation of a hole with itself, moved, from which it repeats itself
 _TURNS = 3  # most times that a pass is turned
-_RESTLESS, _VAGUE = 0.01, 0.04  # metres: wander of a shift in 5 cm, and its median deviation, from which it is refused
+_VAGUE = 0.04  # metres: median deviation of a shift from which a pass that moves to and fro is refused
 _JUMPED = 0.45  # metres: more than a shift can change where a tool goes to and fro
 _LEAST_GAIN = 4.0  # logarithm of the likelihood that the found shift must gain over a rival: odds of 50
 
@@ -298,7 +299,7 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
         part = f"its shift is known to {APART:g} m in {100 * known.sum() / max(inside.sum(), 1):.0f} % of its rows"
         return replace(result, reason=f"no clear match: {part}")
     sigma = float(np.median(path.sigma[inside]))
-    if path.wander >= _RESTLESS and sigma > _VAGUE:
+    if path.wander >= RESTLESS and sigma > _VAGUE:
         rule = f"it moves to and fro, and its shift is known to {sigma:.3f} m only (median), not to {_VAGUE:g} m"
         return replace(result, reason=f"no clear match: {rule}")
     shift = np.interp(rows.depth, rows.depth[known], path.shift[known])
