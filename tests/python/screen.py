@@ -101,11 +101,11 @@ WIDER_THAN_ITS_BOX = """[...document.querySelectorAll('select')].filter((e) => e
 
 
 class Chromium:
-    """A browser process that several connections share."""
+    """A browser process that several connections share; ``words`` are further options, and the page to open."""
 
-    def __init__(self) -> None:
+    def __init__(self, *words: str) -> None:
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "about:blank"]
+        own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", *(words or ["about:blank"])]
         # A session of its own: Debian's program is a script, whose end would not end the browser.
         self._process = subprocess.Popen(
             [str(CHROMIUM), *FLAGS, *own],
@@ -118,7 +118,8 @@ class Chromium:
         while not (said.exists() and len(said.read_text().split()) == 2):
             assert time.monotonic() < end, "the browser did not start"
             time.sleep(0.02)
-        self.address = f"http://127.0.0.1:{said.read_text().split()[0]}"
+        port, path = said.read_text().split()
+        self.address, self.socket = f"http://127.0.0.1:{port}", f"ws://127.0.0.1:{port}{path}"
 
     def close(self) -> None:
         os.killpg(self._process.pid, signal.SIGTERM)

@@ -8,35 +8,26 @@ from __future__ import annotations
 
 import itertools
 import json
-import subprocess
-import tempfile
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from live_servers import until
 from patience import PATIENCE
-from screen import CHROMIUM, FLAGS
+from screen import Chromium
 
 
 class Tabs:
     """A browser with one page."""
 
     def __init__(self, url: str) -> None:
-        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "--window-size=1366,868", url]
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        self._browser = subprocess.Popen([str(CHROMIUM), *FLAGS, *own], **quiet)  # type: ignore[call-overload]
+        self._browser = Chromium("--window-size=1366,868", url)
         self._numbers = itertools.count(1)
         self._connect()
 
     def _connect(self) -> None:
         from websockets.sync.client import connect
 
-        said = Path(self._folder.name) / "DevToolsActivePort"
-        until(lambda: said.exists() and len(said.read_text().split()) == 2)
-        port, path = said.read_text().split()
-        self._socket = connect(f"ws://127.0.0.1:{port}{path}", max_size=None).__enter__()
+        self._socket = connect(self._browser.socket, max_size=None).__enter__()
         self._page = next(t["targetId"] for t in self._call("Target.getTargets")["targetInfos"] if t["type"] == "page")
         attached = self._call("Target.attachToTarget", targetId=self._page, flatten=True)
         self._session: str = attached["sessionId"]
@@ -79,6 +70,4 @@ class Tabs:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._socket.close()
-        self._browser.terminate()
-        self._browser.wait(PATIENCE)
-        self._folder.cleanup()
+        self._browser.close()
