@@ -153,7 +153,13 @@ class WallSummary:
 
     def volume_text(self) -> str:
         """Return the volume in cubic metres as text: a range where amounts are ranges."""
-        return f"{_span(f'{end:,.2f}' for end in self.volume_range)} m³" if self.ranged else f"{self.volume:,.3f} m³"
+        return f"{self.volume_span()} m³" if self.ranged else f"{self.volume:,.3f} m³"
+
+    def volume_span(self) -> str:
+        """Return the ends of `volume_range` as text, with so many decimals that they differ."""
+        low, high = self.volume_range
+        decimals = max(2, -math.floor(math.log10(high - low))) if high > low else 2
+        return _span(f"{end:,.{decimals}f}" for end in (low, high))
 
     def mean_text(self, unit: str = "") -> str:
         """Return the mean diameter as text, a range where amounts are ranges; ``unit`` is in, mm, or "" for both."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import Any, Literal
@@ -395,7 +395,8 @@ class Logs(Tabular):
                 "step", f"these logs already have steps of {self.step:g} m; start from the logs with one row per turn"
             )
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
-        return replace(self, step=float(step), sections=sections_of(np.empty((0, PARTS))), turns=self, **columns)
+        none = sections_of(lambda: np.empty((0, PARTS)))
+        return replace(self, step=float(step), sections=none, turns=self, **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom], metres, without copying them; None: no limit."""
@@ -781,9 +782,9 @@ def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, acc
     return found
 
 
-def sections_of(section: Floats) -> LateColumns:
-    """Return `Logs.sections` of sections that are measured already, (rows, PARTS), metres."""
-    return LateColumns(("section",), lambda: {"section": section})
+def sections_of(measure: Callable[[], Floats]) -> LateColumns:
+    """Return `Logs.sections`; ``measure`` returns `Logs.section`, and what it reads must not change."""
+    return LateColumns(("section",), lambda: {"section": measure()})
 
 
 def _sections(wall: WallLike, turns: int) -> LateColumns:
@@ -798,7 +799,7 @@ def _sections(wall: WallLike, turns: int) -> LateColumns:
     else:
         places = [column(name, of) for name, of in zip(("depth", "toolface", "radius"), columns, strict=False)]
         measure = partial(_core.turn_sections, helix, turns * K, *places)
-    return LateColumns(("section",), lambda: {"section": measure().reshape(turns, PARTS)})
+    return sections_of(lambda: measure().reshape(turns, PARTS))
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

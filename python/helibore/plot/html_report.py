@@ -268,14 +268,11 @@ def _diameters(content: Content) -> str:
     for row in intervals(content):
         lengths = (row.least_diameter.value, row.greatest_diameter.value)
         has = row.whole_turns > 0
-        volumes, excesses = (row.volume_range, row.excess_range) if row.ranged else ((row.volume,), (row.excess,))
+        excesses = row.excess_range if row.ranged else (row.excess,)
         of_row = [in_unit(size, content) for size in row.mean_diameter_range[: 1 + row.ranged]]
-        # One digit of the width of a range, so that its ends differ.
-        width = volumes[-1] - volumes[0]
-        decimals = (max(2, -math.floor(math.log10(width))) if width > 0 else 2, 0) if row.ranged else (4, 1)
         share = 100 * row.whole_turns / max(row.whole_turns + row.incomplete_turns, 1e-9)
-        volume = " to ".join(number(each, decimals[0]) for each in volumes) if has else ""
-        excess = " to ".join(number(100 * each, decimals[1]) for each in excesses) if has else ""
+        volume = (row.volume_span() if row.ranged else number(row.volume, 4)) if has else ""
+        excess = " to ".join(number(100 * each, 0 if row.ranged else 1) for each in excesses) if has else ""
         rest = [volume, excess, number(share, 1)]
         ends = (in_depth_unit(row.start, content), in_depth_unit(row.stop, content))
         rows.append([*ends, " to ".join(of_row) if has else "", *(in_unit(size, content) for size in lengths), *rest])

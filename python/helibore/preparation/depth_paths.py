@@ -37,9 +37,7 @@ FINEST = STEP / np.sqrt(12.0)
 """Metres: least deviation of a shift, which may lie anywhere between two trial shifts."""
 
 _WANDERS = (0.0003, 0.001, CALM, RESTLESS, 0.03, 0.1)  # metres in 5 cm of depth
-_NEARLY = (
-    1.0  # logarithm of evidence: a pass that is nearly as likely to move to and fro does; else it is sure and wrong
-)
+_NEARLY = 1.0  # logarithm: a pass moves to and fro if the evidence for it is at most so much less than for a calm path
 _JUMP = 1e-12  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
 _ROWS_AT_ONCE = 256
 STRETCH = 2.0

@@ -479,7 +479,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
         basis_text=basis_text(wall.basis),
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
         reference=run.path.reference if run.path is not None else "", path=run.path,
-        worn=LateColumns(WORN, lambda: worn), sections=sections_of(section),
+        worn=LateColumns(WORN, lambda: worn), sections=sections_of(lambda: section),
         **columns,
     )  # fmt: skip
     return wall, logs, over

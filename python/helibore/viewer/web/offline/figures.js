@@ -162,8 +162,10 @@ export function summaryOf(figures, from, to) {
 function ranges(ends, square, volume, gauge) {
   const span = (/** @type {string[]} */ texts) => [...new Set(texts)].join(' to ');
   const percent = (/** @type {number} */ end) => Math.round(100 * (end / gauge - 1)) || 0;
+  const volumes = ends.map((end) => (volume * end) / square);
+  const digits = Math.max(2, -Math.floor(Math.log10(volumes[1] - volumes[0]))); // so many that the ends differ
   return {
-    volume_text: `${span(ends.map((end) => ((volume * end) / square).toLocaleString('en', { minimumFractionDigits: 2, maximumFractionDigits: 2 })))} m³`,
+    volume_text: `${span(volumes.map((end) => end.toLocaleString('en', { minimumFractionDigits: digits, maximumFractionDigits: digits })))} m³`,
     excess_text: `${span(ends.map((end) => `${percent(end) < 0 ? '' : '+'}${percent(end)}`))} %`,
   };
 }
