@@ -112,6 +112,10 @@ void only_wanted_turns_have_kinds() {
         CHECK(wanted[turn] == 0.0 || found.kinds[turn * hole_kinds + 1] > 0.99);
     }
     CHECK(kinds_along({}, 0.1, {}, two.library()).seen.empty());
+    for (double& of : sections) of = 0.05;  // wider than both sections
+    const KindsAlong beyond = kinds_along(sections, 0.1, wanted, two.library(), rule, 2);
+    CHECK(std::isnan(beyond.size[500]) && std::isnan(beyond.size_sigma[500]));
+    CHECK(beyond.kinds[500 * hole_kinds + 1] > 0.99);
 }
 
 void exponentials() {

@@ -87,7 +87,8 @@ LikelyAlong likely_along(std::span<const double> windows, double length, const S
 // One row for each turn.
 struct KindsAlong {
     std::vector<double> kinds;             // hole_kinds probabilities
-    std::vector<double> size, size_sigma;  // mean and standard deviation of the size among the likely sections
+    std::vector<double> size, size_sigma;  // mean and standard deviation of the size among the likely sections; NaN
+                                           // where the mean radius is beyond all radii of the library
     std::vector<Index> seen;               // parts of the turn's window that samples see
 };
 

@@ -12,8 +12,9 @@ namespace helibore {
 
 namespace {
 
-constexpr double lengths[] = {0.1, 0.3, 0.5};    // of windows, metres: the first whose windows see enough parts
-constexpr std::size_t enough = 14;               // parts that a window sees, in the mean
+constexpr double lengths[] = {0.1, 0.3, 0.5};  // of windows, metres: the first whose windows see enough parts
+constexpr std::size_t enough = 14;             // parts that a window sees, in the mean
+constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t block = 400, beside = 20;  // windows at once, and how many beside them count
 
 struct Windows {
@@ -67,6 +68,24 @@ std::vector<bool> near_wanted(std::span<const double> wanted, const Windows& win
     return near;
 }
 
+// Returns which windows have a mean radius from the least to the greatest of the library, give or take `rough`. Beyond,
+// the size of its sections says nothing of the hole. A window without samples is as the one before.
+std::vector<bool> like_library(const Windows& windows, const SectionLibrary& library, double rough) {
+    double least = infinite, greatest = -infinite;
+    for (const double of : library.sections) least = std::min(least, of), greatest = std::max(greatest, of);
+    std::vector<bool> like(windows.count());
+    bool before = true;
+    for (std::size_t i = 0; i < like.size(); ++i) {
+        double sum = 0.0;
+        for (const double of : std::span(windows.sections).subspan(i * section_parts, section_parts))
+            sum += std::isnan(of) ? 0.0 : of;
+        const auto parts = static_cast<double>(windows.seen[i]);
+        if (parts > 0.0) before = (least - rough) * parts <= sum && sum <= (greatest + rough) * parts;
+        like[i] = before;
+    }
+    return like;
+}
+
 double mean_of(std::span<const double> values) {
     double sum = 0.0;
     for (const double value : values) sum += value;
@@ -92,6 +111,7 @@ KindsAlong kinds_along(std::span<const double> sections, double height, std::spa
     KindsAlong out{std::vector<double>(turns * hole_kinds, none), std::vector<double>(turns, none),
                    std::vector<double>(turns, none), std::vector<Index>(turns)};
     for (std::size_t turn = 0; turn < turns; ++turn) out.seen[turn] = windows.seen[turn / windows.turns];
+    const std::vector<bool> like = like_library(windows, library, rule.likeness.rough);
     const std::vector<bool> needed = near_wanted(wanted, windows, 0), near = near_wanted(wanted, windows, beside);
     for (std::size_t start = 0, stop = 0; start < windows.count(); start = std::max(stop, start + 1)) {
         if (!near[start]) continue;
@@ -105,6 +125,7 @@ KindsAlong kinds_along(std::span<const double> sections, double height, std::spa
             if (!needed[turn / windows.turns]) continue;
             const std::size_t row = turn / windows.turns - low;
             std::copy_n(&likely.kinds[row * hole_kinds], hole_kinds, &out.kinds[turn * hole_kinds]);
+            if (!like[turn / windows.turns]) continue;
             out.size[turn] = middle + likely.size[row];
             out.size_sigma[turn] =
                 std::sqrt(std::max(likely.size_square[row] - likely.size[row] * likely.size[row], 0.0));

@@ -79,6 +79,8 @@ LEAST_SAMPLED = 0.9
 """Least share of a turn's vertices with a sigma at which its mean diameter has one."""
 SIZE_ROUGH = 1.8e-3
 """Metres; standard deviation of the equivalent diameter of a hole from that of its likely section."""
+SIZE_APART = 0.07
+"""The same as a share of its difference from the bit: known sections lie the farther apart, the larger they are."""
 MOSTLY = 0.4
 """Least share of rows with a range of the diameter at which it has columns: a gap needs none."""
 RUGOSITY_WINDOW = 1.0
@@ -319,8 +321,10 @@ class Logs(Tabular):
         if found is None:
             return self.equivalent_diameter, self.equivalent_diameter
         size = 2 * np.sqrt(found.square)
-        spread = 1.96 * np.hypot(2 * found.square_sigma / size, SIZE_ROUGH)
-        low, high = (np.where(self.sparse, end, self.equivalent_diameter) for end in (size - spread, size + spread))
+        rough = np.hypot(SIZE_ROUGH, SIZE_APART * (size - self.bit_diameter))
+        spread = 1.96 * np.hypot(2 * found.square_sigma / size, rough)
+        known = self.sparse & np.isfinite(size)  # in a hole unlike all known sections nothing is likely
+        low, high = (np.where(known, end, self.equivalent_diameter) for end in (size - spread, size + spread))
         return low, high
 
     def _range_columns(self) -> list[LogColumn]:

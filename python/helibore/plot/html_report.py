@@ -280,7 +280,8 @@ def _diameters(content: Content) -> str:
         "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
         "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
-    if content.zones.logs.sparse.any():
+    low, high = content.zones.logs.diameter_range
+    if (low < high).any():
         note += f" {sentence(RANGED)}"
     unsure = f"<p>{sentence(NO_UNCERTAINTY)}</p>" if content.zones.logs.unmeasured_shape else ""
     ticks = f"<p>{in_html(content.ticks_text)}.</p>" if content.ticks_text else ""

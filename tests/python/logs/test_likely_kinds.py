@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import helibore as hb
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
@@ -309,3 +310,18 @@ def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, 
     )
     assert likely.sum() == pytest.approx(1)
     np.testing.assert_allclose(turned, likely, atol=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.6, 0.74, 0.85, 0.95, 1.0, 1.16, 1.22, 1.3, 1.38, 1.4, 1.5, 2.0])
+def test_a_likely_range_holds_the_diameter_of_a_round_hole_of_any_size_or_there_is_none(share: float) -> None:
+    """Two arms see little of each turn, and the library has no section far from the bit: nothing is likely there."""
+    depth = np.repeat(np.arange(1000.0, 1012.0, 0.1), 4)
+    depth = depth[(depth < 1004) | (depth > 1006)]  # turns without a sample, too
+    arm = np.tile([0, 1, 0, 1], depth.size // 4)
+    toolface = (np.tile([0.0, 90.0, 180.0, 270.0], depth.size // 4) + 4 * (depth - 1000)) % 360
+    caliper = hb.Caliper(depth, toolface, np.full(depth.size, share * BIT / 2), arm=arm)
+    logs = hb.reconstruct(caliper, bit_diameter=BIT).logs()
+    low, high = logs.diameter_range
+    assert logs.sparse.any()
+    assert np.all((low <= share * BIT + 1e-9) & (high >= share * BIT - 1e-9) | np.isnan(low))
+    assert np.any(low < high) == (0.9 < share < 1.44)

@@ -9,6 +9,7 @@ const MOSTLY = 0.4;
 const NEARLY_ALL = [0.2, 99.8];
 const LINES_A_CHUNK = 4096;
 const SIZE_ROUGH = 1.8e-3; // metres
+const SIZE_APART = 0.07; // of the difference from the bit
 const KINDS = ['gauge', 'washout', 'breakout', 'key seat', 'undergauge'];
 const WASHOUT = 1;
 
@@ -57,7 +58,7 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
       return far;
     }),
     age: ages(depth),
-    ...rangeOf(size, others.likely_square, others.likely_sigma),
+    ...rangeOf(size, bit, others.likely_square, others.likely_sigma),
   });
   const named = rules.columns.flatMap(([name, mnemonic, unit]) => (name === 'depth' ? [] : [{ name: mnemonic, unit, values: columns[name] }]));
   const { low_diameter: low, high_diameter: high } = columns;
@@ -73,12 +74,12 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
 }
 
 // Return the ends of the diameters that turns likely have (Logs.diameter_range).
-/** @param {Float64Array} size @param {Float64Array} [square] @param {Float64Array} [sigma] */
-function rangeOf(size, square, sigma) {
+/** @param {Float64Array} size @param {number} bit @param {Float64Array} [square] @param {Float64Array} [sigma] */
+function rangeOf(size, bit, square, sigma) {
   const end = (/** @type {number} */ side) => size.map((whole, turn) => {
     if (!square || !sigma || Number.isNaN(square[turn])) return whole;
     const likely = 2 * Math.sqrt(square[turn]);
-    return likely + side * 1.96 * Math.hypot((2 * sigma[turn]) / likely, SIZE_ROUGH);
+    return likely + side * 1.96 * Math.hypot((2 * sigma[turn]) / likely, SIZE_ROUGH, SIZE_APART * (likely - bit));
   });
   return { low_diameter: end(-1), high_diameter: end(1) };
 }
