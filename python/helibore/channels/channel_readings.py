@@ -12,6 +12,7 @@ error and is never corrected silently: a diameter in place of a radius, radians 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -136,8 +137,20 @@ def readings(
         turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
         _count_missing(log_set, roles, depth, toolface, time),
         (*_notes(roles, arms), *agreement_of_angles(log_set, roles)),
-        turning.north if turning else "", _hole(log_set, roles), log_set.place,
+        turning.north if turning else "", _hole(log_set, roles), log_set.place, _echo_of_all(log_set, arms, echo),
     )  # fmt: skip
+
+
+def _echo_of_all(log_set: RawSet, arms: Sequence[Role], echo: Echo | None) -> Echo | None:
+    """Return how travel times became radii if all arms have them; refuse casing where an arm has none."""
+    timed = [arm for arm in arms if arm.role == "travel-time"]
+    if len(timed) == len(arms):
+        return echo
+    if timed and echo is not None and echo.casing:
+        other = next(arm.channel for arm in arms if arm not in timed)
+        rule = f"a casing measures the velocity for travel times, and {other} is none: read one of them"
+        raise log_set.input_error(rule, column=timed[0].channel)
+    return None
 
 
 def _no_arms(log_set: RawSet, roles: RoleMap) -> str:

@@ -37,7 +37,9 @@ NAMES = {
         "interval_table": "logs.interval_table",
     "absent": "nulls", "threads": "threads", "header_lines": "header_line", "track": "track.file",
     "track_map": "track.map", "mud_velocity": "echo.velocity", "tool_radius": "echo.tool_radius",
-    "echo_window": "echo.window", "survey": "survey.file", "survey_map": "survey.map", "survey_set": "survey.set",
+    "echo_window": "echo.window", "mud_velocity_sigma": "echo.velocity_sigma", "echo_casing": "echo.casing",
+    "echo_casing_sigma": "echo.casing_sigma", "survey": "survey.file", "survey_map": "survey.map",
+    "survey_set": "survey.set",
     "intervals": "intervals.file", "intervals_well": "intervals.well", "intervals_unit": "intervals.unit",
 }  # fmt: skip
 """Names of settings that the section does not give."""

@@ -63,7 +63,10 @@ APART = (*SENSORS, *BY_PASS)
 STATED_APART = ("bit_diameter", "start_depth", "stop_depth", "sigma")
 """Settings of the wall whose options stand in other sections."""
 
-ECHO = {"velocity": "mud_velocity", "tool_radius": "tool_radius", "window": "echo_window"}
+ECHO = {
+    "velocity": "mud_velocity", "tool_radius": "tool_radius", "window": "echo_window",
+    "velocity_sigma": "mud_velocity_sigma", "casing": "echo_casing", "casing_sigma": "echo_casing_sigma",
+}  # fmt: skip
 """Parameters of the conversion of travel times, by the names of the settings."""
 
 

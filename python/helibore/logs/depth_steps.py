@@ -58,7 +58,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
             gather(columns["diameter_sigma"] ** 2, "mean"),
             gather(columns["sampled"], "least"),
             np.diff(starts, append=inside) * abs(pitch) / ALIKE_ALONG,
-            2 * columns["caliper_accuracy"],
+            2 * np.hypot(columns["caliper_accuracy"], gather(columns["echo_sigma"], "mean")),
         ),
         "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),
         "volume": np.pi * square * step,
@@ -66,7 +66,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     }
 
 
-def _sigma(square: Floats, sampled: Floats, independent: Floats, shared: float) -> Floats:
+def _sigma(square: Floats, sampled: Floats, independent: Floats, shared: Floats) -> Floats:
     """Return the uncertainty of the mean of a step from the mean square of its turns' and the number of their errors.
 
     Where the hole is interpolated, its errors are those of a shape that goes on along it, and all turns have one error;

@@ -173,8 +173,11 @@ class Logs(Tabular):
         Standard uncertainty of `equivalent_diameter`, from that of the radii. Errors of a wall are alike over 30
         degrees and 0.22 m and independent beyond, so they mostly cancel in a mean; between samples that are farther
         apart they are alike as well, and along the hole they do not cancel where less than 0.9 of a turn is measured.
-        The error of ``caliper_accuracy`` never cancels. NaN without ``sigma=True``, and where more than a tenth of the
-        vertices of a turn is not sampled.
+        The errors of ``caliper_accuracy`` and ``echo_sigma`` never cancel. NaN without ``sigma=True``, and where more
+        than a tenth of the vertices of a turn is not sampled.
+    echo_sigma
+        Standard uncertainty that the radii of a turn share by that of the velocity in the mud (`Echo`), metres; 0 for
+        tools without travel times, and where none is stated.
     age
         Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest sample of the wall;
         NaN if there is no sample at this depth, or samples have no times.
@@ -235,6 +238,7 @@ class Logs(Tabular):
     sampled: Floats
     nearest: Floats
     diameter_sigma: Floats
+    echo_sigma: Floats
     age: Floats
     worn: LateColumns = field(repr=False)
     sections: LateColumns = field(repr=False)
@@ -669,6 +673,7 @@ def turn_logs(
         found |= _from_arms(wall, depth, found)
     counts = _counts(wall)
     worn = LateColumns(WORN, lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
+    of_echo = _echo_sigma(wall, depth, np.sqrt(square))
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -680,7 +685,8 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
-        diameter_sigma=_diameter_sigma(wall, sigma, turns, caliper_accuracy),
+        diameter_sigma=_diameter_sigma(wall, sigma, turns, np.hypot(caliper_accuracy, of_echo)),
+        echo_sigma=of_echo,
         caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
         worn=worn,
@@ -766,8 +772,10 @@ def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, A
     return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(diameters)}
 
 
-def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, accuracy: float) -> Floats:
+def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, accuracy: Floats) -> Floats:
     """Return the standard uncertainty of twice the mean radius of each turn, from that of each radius.
+
+    ``accuracy`` is what all radii of a turn share.
 
     Between the samples of a turn that are farther apart than `ALIKE_AROUND`, the errors are alike as well.
     """
@@ -782,7 +790,17 @@ def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, acc
     of_turns = column("sigma", sigma)[: turns * K].reshape(turns, K)
     sampled = np.isfinite(of_turns).mean(axis=1) >= LEAST_SAMPLED
     square = np.nanmean(of_turns[sampled] ** 2, axis=1)
-    found[sampled] = 2 * np.sqrt(square * alike[sampled] / 360 + accuracy**2)
+    found[sampled] = 2 * np.sqrt(square * alike[sampled] / 360 + accuracy[sampled] ** 2)
+    return found
+
+
+def _echo_sigma(wall: WallLike, depth: Floats, radius: Floats) -> Floats:
+    """Return the uncertainty of the mean radius of each turn by that of the velocity in the mud, metres."""
+    kept: dict[str, Any] | None = getattr(wall, "made_from", {}).get("echo")
+    if kept is None:
+        return np.zeros(depth.size)
+    share = np.interp(depth, kept["depth"], kept["share"])
+    found: Floats = share * np.maximum(np.nan_to_num(radius) - kept["tool_radius"], 0.0)
     return found
 
 

@@ -472,7 +472,7 @@ def _settings(content: Content, zones: Classification | None) -> str:
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield rows, label and text, for the files with their checksums and the other entries of ``made_from``."""
     for name, value in made_from.items():
-        if name in ("preparation", "header", "project", "toolface", "survey"):  # shown in messages, header and facts
+        if name in ("preparation", "header", "project", "toolface", "survey", "echo"):  # shown elsewhere
             continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):

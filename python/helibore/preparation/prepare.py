@@ -1,18 +1,19 @@
 """Prepare readings for a wall: the steps are optional, have a fixed order, and report and count what they drop.
 
-    readings --closed, flat tops, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
-             --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest pass only--> Caliper
+    readings --closed, flat tops, stuck--> rows --sensors--> one frame --velocity by casing--> --range, repeated,
+             spikes--> --passes, shifts--> --reference--> the wall's toolface --recentre--> the hole's axis --bias-->
+             --latest pass only--> Caliper
 
 ``Preparation()`` only drops closed arms and flat tops (an arm at its widest), and brings the sensors into one frame.
-The steps themselves are in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``centre_paths``, ``eccentering``
-and ``biases`` beside this file, and in ``trajectory.references``; this file calls them in their order.
+The steps themselves are in ``conditioning``, ``observe``, ``mud_velocity``, ``passes``, ``shifts``, ``centre_paths``,
+``eccentering`` and ``biases`` beside this file, and in ``trajectory.references``; this file calls them in their order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
 from helibore.preparation.centre_paths import find_centre_path
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
+from helibore.preparation.mud_velocity import MudVelocity, echo_accuracy, find_velocity
 from helibore.preparation.observe import Track, observe, placed
 from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
@@ -93,6 +95,8 @@ class Prepared:
         The samples of the earlier passes.
     arm_names
         The channel of each number in ``caliper.arm``.
+    echo_accuracy
+        How sure the velocity of sound in the mud is: ``depth`` (m), ``share`` of the velocity, ``tool_radius`` (m).
     """
 
     caliper: Caliper
@@ -105,6 +109,7 @@ class Prepared:
     bias: Bias | None = None
     earlier: Caliper | None = None
     arm_names: tuple[str, ...] = ()
+    echo_accuracy: dict[str, Any] | None = None
 
 
 def prepare(
@@ -164,6 +169,7 @@ class _Pipeline:
         self.centre_depth: Floats | None = None
         self.shifts: Shifts | None = None
         self.bias: Bias | None = None
+        self.velocity: tuple[MudVelocity, ...] = ()
         self.samples: Samples
 
     def run(self, track: Track | None) -> Prepared:
@@ -180,6 +186,7 @@ class _Pipeline:
         )  # fmt: skip
         self.counts |= {reason: count for reason, count in self.samples.counts.items() if reason in REASONS}
         self._fill_rows()
+        self._calibrate_velocity()
         self._drop_single_samples()
         if settings.by_pass or settings.reversal is not None:
             self._number_passes()
@@ -208,6 +215,28 @@ class _Pipeline:
                 lost = mine[np.isnan(column)[samples.row[mine]]]
                 column[samples.row[lost]] = seen[lost] + moved[samples.sensor[lost]]
             self.readings[number] = replace(one, depth=depth, toolface=toolface)
+
+    def _calibrate_velocity(self) -> None:
+        """Correct radii of travel times by the velocity that casing shows; keep how sure it is."""
+        samples, radius, turn = self.samples, self.samples.radius, None
+        for number, one in enumerate(self.readings):
+            echo = one.echo
+            if echo is None or (not echo.casing and not echo.velocity_sigma):
+                continue
+            mine = np.flatnonzero(samples.file == number)
+            turn = self._turns()[0] if turn is None and echo.casing else turn
+            if turn is None:
+                found = MudVelocity(echo, ())
+            else:
+                with placed(one.name):
+                    columns = samples.depth[mine], samples.toolface[mine], samples.radius[mine], turn[mine]
+                    found = find_velocity(echo, *columns)
+                velocity, _ = found.at(samples.depth[mine])
+                radius = radius.copy() if radius is samples.radius else radius
+                radius[mine] = echo.tool_radius + (radius[mine] - echo.tool_radius) * velocity / echo.velocity
+                self.report += [("velocity", f"{one.name}: {line}") for line in found.lines()]
+            self.velocity = (*self.velocity, found)
+        self.samples = replace(samples, radius=radius)
 
     def _drop(self, step: Step) -> None:
         """Remove the samples that a step dropped, and report them."""
@@ -776,8 +805,14 @@ class _Pipeline:
         self.counts["kept"] = len(caliper)
         return Prepared(
             caliper, tuple(self.report), self.counts, self._stated_passes(), self.centres, self.centre_depth,
-            self.shifts, self.bias, earlier, tuple(self._arm_names()),
+            self.shifts, self.bias, earlier, tuple(self._arm_names()), self._echo_accuracy(),
         )  # fmt: skip
+
+    def _echo_accuracy(self) -> dict[str, Any] | None:
+        if not self.velocity:
+            return None
+        depth = self.samples.depth
+        return echo_accuracy(self.velocity, float(depth.min()), float(depth.max()))
 
     @staticmethod
     def _of_passes(samples: Samples, passes: Sequence[int]) -> Samples:

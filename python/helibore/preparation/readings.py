@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.preparation.sensors import Sensor
+from helibore.settings.preparation_settings import Echo
 
 IMAGE_ROW = 8
 """If sensors look in this many directions or more, one row of readings shows the hole all around."""
@@ -54,6 +55,7 @@ class Readings:
     north: str = ""  # the north of toolfaces from north: true, magnetic or grid; "": not stated
     hole: HoleDirection | None = None  # the direction of the hole at each row, if the log has it
     place: Callable[[int], str] = _row_place  # where a row stands in the file, for errors: "line 12" or "row 7"
+    echo: Echo | None = None  # how the travel times of every sensor became radii; None: not all sensors have times
 
     def __repr__(self) -> str:
         return f"Readings({self.name}, {self.rows} rows of {', '.join(self.channels)})"

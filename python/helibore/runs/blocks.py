@@ -129,6 +129,9 @@ def stream(run: Run, most_samples: int) -> Batches:
         rule = f"{why}; it must be false" if odd[0] in BY_ROW else why
         place = f"preparation.{odd[0]}"
         raise InputError(place, rule, str(getattr(preparation, odd[0])), place)
+    if settings.echo is not None and (settings.echo.casing or settings.echo.velocity_sigma):
+        place = "echo.casing" if settings.echo.casing else "echo.velocity_sigma"
+        raise InputError(place, why, setting=place)
     _check_settings(run, why)
     turning = only.roles.one("toolface")
     if turning is not None and turning.reference not in ("", run.path.reference if run.path else ""):

@@ -54,6 +54,8 @@ def wall_of_samples(
         compare(wall, wall_of(prepared.earlier, bit_diameter=bit_diameter, threads=threads, **settings))
     if lines := [*map(list, prepared.report), *(["passes", sentence] for sentence in _odd_passes(wall, prepared))]:
         wall.made_from["preparation"] = lines
+    if prepared.echo_accuracy is not None:
+        wall.made_from["echo"] = prepared.echo_accuracy
     return wall
 
 

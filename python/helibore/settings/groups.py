@@ -17,7 +17,7 @@ from helibore.settings.output_settings import (
     ViewSettings,
 )
 from helibore.settings.path_settings import PathSettings
-from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.preparation_settings import Echo, EchoCasing, Preparation
 from helibore.settings.print_settings import Look, PrintTable
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
@@ -31,6 +31,7 @@ KINDS: tuple[type[Any], ...] = (
     ReadingSettings,
     Preparation,
     Echo,
+    EchoCasing,
     PathSettings,
     IntervalInput,
     Settings,

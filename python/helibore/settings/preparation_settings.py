@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from helibore.base.errors import InputError
 from helibore.settings.declared import (
     DEGREES,
+    DEPTH,
     METRES,
+    MILLIMETRES,
     NOT_NEGATIVE,
     POSITIVE,
     SECONDS,
@@ -143,16 +145,44 @@ class Preparation(Declared, group="preparation"):
 
 
 @dataclass(frozen=True)
+class EchoCasing(Declared, group="echo.casing"):
+    """An interval of casing in which the velocity of sound in the mud is measured."""
+
+    top: Annotated[float, METRES, DEPTH, "Top."]
+    bottom: Annotated[float, METRES, DEPTH, "Bottom."]
+    inner_diameter: Annotated[float, METRES, POSITIVE, "Inner diameter."]
+
+    def _check(self) -> None:
+        if not self.top < self.bottom:
+            raise InputError("top", f"must be above the bottom, {self.bottom:g} m", f"{self.top:g}")
+
+
+@dataclass(frozen=True)
 class Echo(Declared, group="echo"):
     """The conversion of a travel time to a radius: tool_radius + velocity * (travel_time - window) / 2."""
 
-    velocity: Annotated[float, POSITIVE, Option(), "Speed of sound in the mud, m/s; about 1500 in water."]
+    velocity: Annotated[float, POSITIVE, Option(),
+        "Speed of sound in the mud, m/s; about 1500 in water. Where ``casing`` is stated, it measures the velocity by "
+        "depth, and must not contradict this.",
+    ]  # fmt: skip
     tool_radius: Annotated[
         float, METRES, NOT_NEGATIVE, Option(), "Distance from the tool's axis to the face of its transducer."
     ]
     window: Annotated[float, SECONDS, NOT_NEGATIVE, Option(),
         "Two-way time of the echo inside the tool, behind the transducer's window.",
     ] = 0.0  # fmt: skip
+    velocity_sigma: Annotated[float | None, NOT_NEGATIVE, Option("not counted; a casing may differ by 6 %"),
+        "Standard uncertainty of the velocity, m/s. It reaches diameters and volumes. A casing may differ from the "
+        "velocity by three times as much. None: not counted without casing, and a casing may differ by 6 %.",
+    ] = None  # fmt: skip
+    casing: Annotated[tuple[EchoCasing, ...], METRES, Option(metavar="TOP,BOTTOM,DIAMETER"),
+        "Interval of casing of known inner diameter, such as 0m,300m,8.681in, which measures the velocity. Between "
+        "intervals the velocity follows their velocities, and beyond them its uncertainty grows; it reaches diameters "
+        "and volumes.",
+    ] = ()  # fmt: skip
+    casing_sigma: Annotated[float, MILLIMETRES, NOT_NEGATIVE, Option(),
+        "Standard uncertainty of the inner diameter of each casing.",
+    ] = 0.0005  # fmt: skip
 
     def radius(self, travel_time: Floats) -> Floats:
         """Return the radii, metres, of travel times of any shape; NaN for a time shorter than the window (no echo)."""
