@@ -29,4 +29,13 @@ class WithoutGil {
     PyThreadState* thread_;
 };
 
+// Returns whether the interpreter ends. Only its main thread still runs Python then.
+inline bool interpreter_ends() {
+#if PY_VERSION_HEX >= 0x030D0000
+    return Py_IsFinalizing() != 0;
+#else
+    return _Py_IsFinalizing() != 0;
+#endif
+}
+
 }  // namespace helibore::bindings

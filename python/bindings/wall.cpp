@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "arrays.hpp"
+#include "base/locks.hpp"
 #include "gil.hpp"
 #include "helibore/covariance.hpp"
 #include "helibore/error.hpp"
@@ -168,6 +169,20 @@ py::array_t<Index> ranges_of(const Change& change) {
 }  // namespace
 
 void register_wall(py::module_& m) {
+    // The lock of a wall in Python, which does more than the core in one call. It is one of the core, since a lock of
+    // Python waits for ever for its own thread (a signal or a finalizer calls again), in a forked process, and in a
+    // finalizer that runs when the program ends, for a thread that has stopped.
+    py::class_<CallLock>(m, "WallLock")
+        .def(py::init([] { return std::make_unique<CallLock>("wall"); }))
+        .def("__enter__",
+             [](CallLock& lock) {
+                 if (lock.try_lock()) return;
+                 if (interpreter_ends())
+                     throw InputError("this wall", "is in use by a thread that ended with the program");
+                 const WithoutGil released;
+                 lock.lock();
+             })
+        .def("__exit__", [](CallLock& lock, const py::args&) { lock.unlock(); });
     py::class_<Wall>(m, "Wall")
         .def(py::init([](const py::dict& settings, int threads, const std::string& instruction_set) {
                  return std::make_unique<Wall>(settings_of(settings, threads, instruction_set));

@@ -40,8 +40,12 @@ class CallLock {
                                  "was in use by another thread when this process was forked");
             let_others_run();
         }
-        process_ = this_process();
-        thread_ = this_thread();
+        hold();
+    }
+    bool try_lock() {
+        const bool locked = mutex_.try_lock();
+        if (locked) hold();
+        return locked;
     }
     void unlock() {
         thread_ = nullptr;
@@ -50,6 +54,10 @@ class CallLock {
 
   private:
     static constexpr int most_tries = 100'000;
+    void hold() {
+        process_ = this_process();
+        thread_ = this_thread();
+    }
     static const void* this_thread() { return &runner_of_this_thread(); }
     static int this_process() {
 #ifdef __unix__

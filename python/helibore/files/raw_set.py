@@ -12,13 +12,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from helibore.base.arrays import Array, Floats, Reals, data_and_mask
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 from helibore.base.limits import check_limit
 from helibore.base.nulls import NULLS

@@ -8,10 +8,11 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import dataclass, fields
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 
 RULES_FILE = Path(__file__).with_name("text_layouts.toml")

@@ -7,9 +7,9 @@ a diameter, a volume or a table of few columns needs none of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
 
 from helibore.base.arrays import Floats
+from helibore.base.cached import cached_property
 
 
 class LateColumns(Mapping[str, Floats]):

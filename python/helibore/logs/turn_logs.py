@@ -19,7 +19,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Mask, column
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 from helibore.mesh.attributes import Attributes
 from helibore.samples.caliper import Basis

@@ -11,7 +11,6 @@ vertex is NaN. ``vertex_index`` and ``quad_index`` tell which vertex of the wall
 from __future__ import annotations
 
 import os
-from functools import cached_property
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
@@ -20,6 +19,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
+from helibore.base.cached import cached_property
 from helibore.base.thread_count import thread_count
 from helibore.mesh.attributes import Attributes
 from helibore.mesh.mesh import Mesh, metadata_of, quad_radius, triangles

@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -25,6 +24,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.mesh.attributes import Attributes

@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.cached import cached_property
 from helibore.base.color_limits import over_bit
 from helibore.base.colors import ColorScale, customary_map
 from helibore.base.errors import InputError

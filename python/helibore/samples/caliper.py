@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from numbers import Real
 from typing import Any, Literal
 
@@ -27,6 +26,7 @@ from helibore.base.arrays import (
     sample_columns,
     whole_column,
 )
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError, check_choice
 from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, usual_picture

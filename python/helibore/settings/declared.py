@@ -29,11 +29,11 @@ import types
 import typing
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from helibore.base import units
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 
 LARGEST_INTEGER = 2**31

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import operator
 import pickle
-import threading
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
@@ -90,7 +89,7 @@ class Wall(WallReads):
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._kept = KeptLogs()  # of the present samples
-        self._growing = threading.Lock()  # held by an append, and while all columns are read together
+        self._growing = _core.WallLock()  # held by an append, and while all columns are read together
         self._arms: list[Caliper] = []
         self._path: Path | None = None
         self._images, self._picks = SectorImages(), Picks()

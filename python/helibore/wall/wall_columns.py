@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Bytes, Floats, Integers32, Mask
+from helibore.base.cached import cached_property
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.logs.intervals import Interval

@@ -50,6 +50,65 @@ threading.Thread(target=feed, daemon=True).start()
 begun.wait()
 time.sleep(0.2)
 """
+GROWS = """
+import signal
+wall = hb.Wall(bit_diameter=0.216, start_depth=100.0)
+def append(rows): wall.append(depth[:rows], toolface[:rows], radius[:rows])
+append(10)
+def feed():
+    while True:
+        begun.set()
+        append(n)
+"""
+SIGNALS = """
+import numpy.ma  # where NumPy imports it, a signal would import it again
+inside, answers = False, {"appended": 0, "refused": 0}
+def handler(*_):
+    global inside
+    if inside: return
+    inside = True
+    try:
+        append(1)
+        answers["appended"] += 1
+    except hb.InputError as error:
+        assert "in this thread" in str(error)
+        answers["refused"] += 1
+    inside = False
+signal.signal(signal.SIGALRM, handler)
+signal.setitimer(signal.ITIMER_REAL, 0.001, 0.001)
+end = time.monotonic() + 20
+while not all(answers.values()) and time.monotonic() < end: append(1)
+signal.setitimer(signal.ITIMER_REAL, 0)
+assert all(answers.values()), answers
+"""
+FORKS_A_WALL = """
+threading.Thread(target=feed, daemon=True).start()
+begun.wait()
+for _ in range(3):
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        try:
+            append(10)
+        except hb.InputError as error:
+            assert "when this process was forked" in str(error)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+os._exit(0)
+"""
+FINALIZES = """
+class Last:
+    def __init__(self): self.circle = self
+    def __del__(self):
+        try:
+            append(10)
+        except error as found:
+            assert "ended with the program" in str(found)
+error, last = hb.InputError, Last()
+threading.Thread(target=feed, daemon=True).start()
+begun.wait()
+time.sleep(0.1)
+"""
 WRITES = """
 def scribble():
     while True:
@@ -67,6 +126,13 @@ def run(script: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("script", [ENDS, FEEDS, WRITES], ids=["rebuilds", "feeds", "writes"])
 def test_a_program_ends_while_a_thread_is_in_a_call(script: str) -> None:
     done = run(HOLE + script)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs fork")
+@pytest.mark.parametrize("script", [SIGNALS, FORKS_A_WALL, FINALIZES], ids=["signals", "forks", "finalizes"])
+def test_a_call_within_a_call_is_refused_where_it_would_wait_for_ever(script: str) -> None:
+    done = run(HOLE + GROWS + script)
     assert (done.returncode, done.stderr) == (0, "")
 
 

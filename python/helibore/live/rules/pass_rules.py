@@ -19,12 +19,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 
 from helibore.base.arrays import Integers, Mask
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 from helibore.live.rules.file_names import RULE, can_be_file
 from helibore.settings.declared import FINITE, METRES, NOT_NEGATIVE, SECONDS, Declared, Rule, at_least, within

@@ -12,10 +12,10 @@ from __future__ import annotations
 import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
 from typing import Any, Self
 
 from helibore.base import units
+from helibore.base.cached import cached_property
 from helibore.base.errors import InputError
 from helibore.live.rules.layout import Layout, LayoutTable
 from helibore.live.rules.pass_rules import PassNumbers
