@@ -31,7 +31,7 @@ constexpr double inside_spread = 2.5;  // times the spread outside: noise and cu
 constexpr double centre_guess = 15e-3, radius_guess = 20e-3;  // metres; standard deviations from the axis and the bit
 constexpr double judged_spread = 1.5e-3, far_inside = 3e-3;   // metres
 constexpr double least_lobe = 3e-3;                           // metres; a lobe is higher
-constexpr double width_level = 0.25, pipe_level = 0.35;
+constexpr double width_level = 0.25, pipe_level = 0.55;
 constexpr double least_share = 0.25;  // of the vertices must count
 constexpr double together = 1e-4;     // metres; fits nearer to each other are one
 constexpr double still_way = 1e-7;    // metres; a step this short is the last at its spread
