@@ -3,14 +3,14 @@
     python -m bench.accuracy.slots_and_sliding slots [FIRST]           240 slots, first seed (0)
     python -m bench.accuracy.slots_and_sliding sliding [HOLES] [FIRST]
 
-slots: 4 m of 8.5 in hole with a slot of 10 to 40 mm that a pipe of 3.5 to 6.5 in wore; a rotating tool, up to 10 mm off
-centre, takes 64 samples of 0.5 mm noise a turn and 0.1 m.
+slots: 2 m of 8.5 in hole with a slot of 10 to 40 mm that a pipe of 3.5 to 6.5 in wore; a rotating tool, up to 10 mm off
+centre, takes 64 samples of 0.5 mm noise in 0.1 m, or, "dense", 128 in 0.02 m.
 
     right  the one zone of the wall is a key seat
     pipe   difference of its pipe diameter from the true one, mm: mean, greatest
 
-sliding: holes as of ``bench.accuracy.hazards``. A tool turns at first; from the middle of the hazard (of quiet holes: from
-the middle) on it stands at one toolface or at four, give or take 3 degrees, with 2,000 samples a metre.
+sliding: holes as of ``bench.accuracy.hazards``. A tool turns at first; from the middle of the hazard, of quiet holes
+from the middle on, it stands at one toolface or at four, give or take 3 degrees, with 2,000 samples a metre.
 
     filled, wrong  zones with a confidence of 0.8 or more of another kind than the hole has, or beside its hazard
     within         turns up to 2.5 m below the place whose true equal-area diameter lies within the likely range, or
@@ -25,7 +25,7 @@ import sys
 import numpy as np
 
 import helibore as hb
-from bench.accuracy.hazards import BIT, FILLED, HAZARDS, LENGTH, QUIET, Hole, hole, judged, slot
+from bench.accuracy.hazards import BIT, FILLED, HAZARDS, LENGTH, QUIET, Hole, hole, judged
 from helibore.base.arrays import Floats
 from helibore.base.units import INCH
 
@@ -34,19 +34,20 @@ NOISE = 0.0005
 
 def slots(first: int) -> None:
     pipes, depths = np.linspace(3.5, 6.5, 6) * INCH, np.linspace(0.010, 0.040, 5)
-    right, apart = [], []
-    for number, (pipe, deep, _) in enumerate(itertools.product(pipes, depths, range(8))):
-        rng = np.random.default_rng([first, number])
-        count = 40 * 64
-        depth = np.arange(count) * 0.1 / 64
-        toolface = np.arange(count) * 360.0 / 64 + rng.uniform(-2, 2, count)
-        axis, towards, off = rng.uniform(0, 360), rng.uniform(0, 360), rng.uniform(0, 0.010)
-        radius = _seen_from(off * np.exp(1j * np.radians(towards)), BIT / 2, pipe, deep, axis, toolface)
-        wall = hb.reconstruct(hb.Caliper(depth, toolface, radius + rng.normal(0, NOISE, count)), bit_diameter=BIT)
-        zones = wall.zones().zones
-        right.append([zone.kind for zone in zones] == ["key seat"])
-        apart += [1e3 * abs(zone.pipe_diameter - pipe) for zone in zones if zone.kind == "key seat"]
-    print(f"slots: right {sum(right)} of {len(right)}; pipe {np.mean(apart):.1f}, {np.max(apart):.1f} mm", flush=True)
+    for name, per_turn, pitch in (("64 a turn", 64, 0.1), ("dense", 128, 0.02)):
+        right, apart = [], []
+        for number, (pipe, deep, _) in enumerate(itertools.product(pipes, depths, range(8))):
+            rng = np.random.default_rng([first, number])
+            turns = np.arange(round(2 / pitch * per_turn)) / per_turn
+            toolface = turns * 360 + rng.uniform(-2, 2, turns.size)
+            axis, towards, off = rng.uniform(0, 360), rng.uniform(0, 360), rng.uniform(0, 0.010)
+            radius = _seen_from(off * np.exp(1j * np.radians(towards)), BIT / 2, pipe, deep, axis, toolface)
+            samples = hb.Caliper(turns * pitch, toolface, radius + rng.normal(0, NOISE, turns.size))
+            zones = hb.reconstruct(samples, bit_diameter=BIT).zones().zones
+            right.append([zone.kind for zone in zones] == ["key seat"])
+            apart += [1e3 * abs(zone.pipe_diameter - pipe) for zone in zones if zone.kind == "key seat"]
+        sizes = f"{np.mean(apart):.1f}, {np.max(apart):.1f} mm, {np.mean(np.array(apart) <= 8):.0%} within 8 mm"
+        print(f"{name}: right {sum(right)} of {len(right)}; pipe {sizes}", flush=True)
 
 
 def _seen_from(tool: complex, size: float, pipe: float, deep: float, axis: float, toolface: Floats) -> Floats:

@@ -61,6 +61,9 @@ void refused() {
     ChainRule sure = rule;
     sure.stays = 1.0;
     CHECK_THROWS(InputError, "stays = 1: must lie between 0 and 1", likely_along({}, 1.0, two.library(), sure));
+    sure = rule;
+    sure.centre_stays = 0.0;
+    CHECK_THROWS(InputError, "centre_stays = 0: must be above 0", likely_along({}, 1.0, two.library(), sure));
     CHECK_THROWS(InputError, "length = 0: must be finite and above 0", likely_along({}, 0.0, two.library()));
     CHECK_THROWS(InputError, "height = 0: must be finite and above 0", kinds_along({}, 0.0, {}, two.library()));
     CHECK_THROWS(InputError, "sections has 31 values, 32 times wanted has 32: must be equal",

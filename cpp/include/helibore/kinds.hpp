@@ -1,5 +1,5 @@
 // The kind of hole along a well whose tool has few samples a turn: sections are compared with those of a library, and a
-// chain carries the section along the hole.
+// chain carries the section along the hole, and the place of the tool's centre.
 //
 //     window 0      window 1      window 2         each window of turns sees some parts of the section
 //      .---.         .---.         .---.
@@ -7,7 +7,8 @@
 //           --'       ---         ---'
 //
 // chi^2 of a window's section d and a section s = min over the tool's offset (x, y) of
-// sum of w (d - s - x cos - y sin)^2 + (x^2 + y^2) / offset^2, over the parts that have samples.
+// sum of w (d - s - x cos - y sin)^2 + (x^2 + y^2) / offset^2, over the parts that have samples. Along the hole the last
+// term is that of the offset from where the windows before had it: few samples show the offset only together.
 #pragma once
 
 #include <array>
@@ -67,6 +68,7 @@ struct LikenessRule {
 
 struct ChainRule {
     double stays = 0.8, changes = 0.1;  // probability that the section is the same a metre on; if not, that its kind is
+    double centre_stays = 20.0;         // metres over which the offset falls to 1 / e, if nothing else shows it
     double temper = 0.7;                // power of a window's evidence, since windows differ from the library alike
     std::array<double, hole_kinds> prior{0.68, 0.1, 0.1, 0.06, 0.06};  // of each kind, without a sample
     LikenessRule likeness{};

@@ -120,77 +120,77 @@ Sections arranged(const SectionLibrary& library) {
     return out;
 }
 
-// What a window sees: the parts with samples, and the three linear forms of their differences from a section,
-//     chi^2 = w sum t^2 - (sum u t)^2 - (sum v t)^2
-// The last two are what the tool's offset explains.
-template <class Real>
-struct WindowOf {
-    int seen = 0;
-    Real weight{}, independent{};
-    struct Part {
-        std::uint32_t number;
-        Real length, u, v;
-    } parts[section_parts];
+// A symmetric matrix of two rows: of the tool's centre, x along toolface 0.
+struct Matrix {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
 };
-using Window = WindowOf<float>;
 
-template <class Real>
-WindowOf<Real> window_of(const double* section, const LikenessRule& rule) {
-    WindowOf<Real> out;
-    for (std::size_t part = 0; part < section_parts; ++part) out.seen += std::isnan(section[part]) ? 0 : 1;
+Matrix plus(const Matrix& a, const Matrix& b, double times = 1.0) {
+    return {a.xx + times * b.xx, a.xy + times * b.xy, a.yy + times * b.yy};
+}
+
+Matrix round_matrix(double of) {
+    return {of, 0.0, of};
+}
+
+Matrix inverse(const Matrix& of) {
+    const double determinant = of.xx * of.yy - of.xy * of.xy;
+    return {of.yy / determinant, -of.xy / determinant, of.xx / determinant};
+}
+
+struct Part {
+    std::uint32_t number;
+    double length;
+    SineCosine of;
+};
+
+// The parts of a window that have samples, and what they see of the tool's centre:
+//     A = w sum h h',  h = (cosine, sine) of a part
+struct Window {
+    int seen = 0;
+    double weight = 0.0, independent = 0.0;
+    Matrix centre;
+    std::array<Part, section_parts> parts;
+};
+
+Window window_of(const double* section, const LikenessRule& rule) {
+    Window out;
+    for (std::size_t part = 0; part < section_parts; ++part) {
+        if (std::isnan(section[part])) continue;
+        const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
+        out.parts[static_cast<std::size_t>(out.seen++)] = {static_cast<std::uint32_t>(part),
+                                                           std::clamp(section[part], -1e6, 1e6), of};
+        out.centre = plus(out.centre, {of.cosine * of.cosine, of.cosine * of.sine, of.sine * of.sine});
+    }
     if (out.seen == 0) return out;
-    const double independent = std::min(static_cast<double>(out.seen), rule.effective);
-    const double weight = independent / out.seen / (rule.rough * rule.rough);
-    double xx = 1.0 / (rule.offset * rule.offset), yy = xx, xy = 0.0;
-    int at = 0;
-    for (std::size_t part = 0; part < section_parts; ++part) {
-        if (std::isnan(section[part])) continue;
-        const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
-        xx += weight * of.cosine * of.cosine, yy += weight * of.sine * of.sine, xy += weight * of.cosine * of.sine;
-    }
-    const double along = 1.0 / std::sqrt(xx), turned = xy / xx, across = 1.0 / std::sqrt(yy - xy * turned);
-    for (std::size_t part = 0; part < section_parts; ++part) {
-        if (std::isnan(section[part])) continue;
-        const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
-        out.parts[at++] = {static_cast<std::uint32_t>(part), static_cast<Real>(std::clamp(section[part], -1e6, 1e6)),
-                           static_cast<Real>(weight * of.cosine * along),
-                           static_cast<Real>(weight * (of.sine - turned * of.cosine) * across)};
-    }
-    out.weight = static_cast<Real>(weight), out.independent = static_cast<Real>(independent);
+    out.independent = std::min(static_cast<double>(out.seen), rule.effective);
+    out.weight = out.independent / out.seen / (rule.rough * rule.rough);
+    out.centre = plus({}, out.centre, out.weight);
     return out;
 }
 
-// Writes the log of the evidence that a window gives for eight sections: the greatest among the scales.
-inline void compare(const Window& window, const Scales& scales, const float* eight, float* log_evidence) {
-    Float4 square[2] = {}, u[2] = {}, v[2] = {};
+// Sums of a window and each section of a library, from t = the window's lengths less those of the section:
+//     q = w sum t^2,  b = w sum h t
+struct Sums {
+    float *q, *x, *y;
+};
+
+// Writes the sums of a window and eight sections.
+inline void compare(const Window& window, const float* eight, const Sums& sums) {
+    Float4 q[2] = {}, x[2] = {}, y[2] = {};
     for (int i = 0; i < window.seen; ++i) {
-        const Window::Part& part = window.parts[i];
+        const Part& part = window.parts[static_cast<std::size_t>(i)];
+        const auto length = static_cast<float>(part.length), cosine = static_cast<float>(part.of.cosine),
+                   sine = static_cast<float>(part.of.sine);
         for (const std::size_t half : {0U, 1U}) {
-            const Float4 off = part.length - four_at(eight + part.number * at_once + 4 * half);
-            square[half] += off * off, u[half] += part.u * off, v[half] += part.v * off;
+            const Float4 off = length - four_at(eight + part.number * at_once + 4 * half);
+            q[half] += off * off, x[half] += cosine * off, y[half] += sine * off;
         }
     }
-    for (const std::size_t half : {0U, 1U}) {
-        const Float4 least = window.weight * square[half] - u[half] * u[half] - v[half] * v[half];
-        Float4 greatest = four(-std::numeric_limits<float>::max());
-        for (const Scale& scale : scales)
-            greatest = greater(
-                scale.log_prior - window.independent * scale.log_scale - scale.half_inverse_square * least, greatest);
-        put(greatest, log_evidence + 4 * half);
-    }
-}
-
-// Makes the logs of a row the evidence: 1 for the section that fits best, to the power `temper`.
-void temper_row(float* row, const Sections& library, float temper) {
-    Float4 most = four(-std::numeric_limits<float>::max());
-    for (std::size_t i = 0; i < library.count(); i += 4)
-        most = greater(four_at(&library.weight[i]) > 0.0f ? four_at(row + i) : most, most);
-    const float greatest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
-    for (std::size_t i = 0; i < library.count(); i += 4) {
-        const Float4 x = (four_at(row + i) - greatest) * temper;
-        const Float4 within = x < 0.0f ? greater(x, four(-60.0f)) : four(0.0f);
-        put(four_at(&library.weight[i]) > 0.0f ? exponentials(within) : four(0.0f), row + i);
-    }
+    const auto weight = static_cast<float>(window.weight);
+    for (const std::size_t half : {0U, 1U})
+        put(weight * q[half], sums.q + 4 * half), put(weight * x[half], sums.x + 4 * half),
+            put(weight * y[half], sums.y + 4 * half);
 }
 
 // Returns the sum of four sums, in an order of its own.
@@ -207,89 +207,181 @@ double sum_of(const OfKinds& kinds) {
     return all;
 }
 
-// From one window to the next: probability that the section stays, changes within its kind, or becomes any.
+// From one window to the next: probability that the section stays, changes within its kind, or becomes any; and the
+// share of the centre that stays.
 struct Moves {
-    double stays, changes, leaves;
-    OfKinds prior;
+    double stays, changes, leaves, keeps;
 };
 
 Moves moves_over(double length, const ChainRule& rule) {
     const double stays = exponential(length * logarithm(rule.stays)), changes = (1.0 - stays) * rule.changes;
-    return {stays, changes, 1.0 - stays - changes, rule.prior};
+    return {stays, changes, 1.0 - stays - changes, exponential(-length / rule.centre_stays)};
 }
 
-// Multiplies each row by the probability of its sections given the rows before: F = evidence (stays F' + what moves).
-// The sum of a row is not 1: the next row divides by it.
-void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& library, const Moves& rule) {
-    OfKinds sums{};
-    for (std::size_t row = 0; row < rows; ++row) {
-        float* const now = &forward[row * library.count()];
-        const float* const before = now - library.count();
-        const double all = sum_of(sums);
-        const auto stays = static_cast<float>(row > 0 ? rule.stays / all : 0.0);
-        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
-            const double moves =
-                row > 0 ? rule.changes * sums[kind] / all + rule.leaves * rule.prior[kind] : rule.prior[kind];
-            const auto moved = static_cast<float>(moves * static_cast<double>(library.each[kind]));
-            Float4 sum = {};
-            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
-                const Float4 entering = moved * four_at(&library.weight[i]);
-                const Float4 from = row > 0 ? stays * four_at(before + i) + entering : entering;
-                const Float4 of = four_at(now + i) * from;
-                put(of, now + i);
-                sum += of;
-            }
-            sums[kind] = all_of(sum);
-        }
-    }
-}
+struct Float4Matrix {
+    Float4 xx, xy, yy;
 
-// Goes back from the last row, and writes what is likely in each.
-void go_back(const std::vector<float>& evidence, const std::vector<float>& forward, std::size_t rows,
-             const Sections& library, const Moves& rule, LikelyAlong& out) {
-    std::vector<float> after(library.count(), 1.0f);
-    for (std::size_t row = rows; row-- > 0;) {
-        const float *const now = &forward[row * library.count()], *const given = &evidence[row * library.count()];
-        OfKinds likely{}, beyond{};
-        double size = 0.0, square = 0.0;
-        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
-            Float4 of_kind = {}, of_size = {}, of_square = {}, of_after = {};
-            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
-                const Float4 later = four_at(&after[i]), both = four_at(now + i) * later;
-                const Float4 sized = both * four_at(&library.size[i]), next = later * four_at(given + i);
-                of_kind += both, of_size += sized, of_square += sized * four_at(&library.size[i]);
-                of_after += next * four_at(&library.weight[i]);
-                put(next, &after[i]);
-            }
-            likely[kind] = all_of(of_kind), beyond[kind] = all_of(of_after);
-            size += all_of(of_size), square += all_of(of_square);
-        }
-        const double all = sum_of(likely);
-        for (std::size_t kind = 0; kind < hole_kinds; ++kind) out.kinds[row * hole_kinds + kind] = likely[kind] / all;
-        out.size[row] = size / all, out.size_square[row] = square / all;
-        double from_any = 0.0;
+    explicit Float4Matrix(const Matrix& of)
+        : xx(four(static_cast<float>(of.xx))),
+          xy(four(static_cast<float>(of.xy))),
+          yy(four(static_cast<float>(of.yy))) {}
+    Float4 times_x(Float4 x, Float4 y) const { return xx * x + xy * y; }
+    Float4 times_y(Float4 x, Float4 y) const { return xy * x + yy * y; }
+};
+
+// What the windows on one side say: of each section, its probability and where the tool's centre then is.
+struct Belief {
+    std::vector<float> likely, x, y;
+    Matrix spread;  // covariance of the centre, the same for all sections
+};
+
+// Goes along the windows, and takes the evidence of each. Given the section, the centre is normal.
+class Chain {
+  public:
+    Chain(const Sections& library, const ChainRule& rule, const Moves& moves)
+        : library_(library),
+          moves_(moves),
+          scales_(scales_of(rule.likeness)),
+          variance_(rule.likeness.offset * rule.likeness.offset),
+          temper_(static_cast<float>(rule.temper)),
+          prior_(rule.prior),
+          log_(library.count()) {
+        const std::vector<float> zero(library.count());
+        now_ = {zero, zero, zero, round_matrix(variance_)};
         for (std::size_t kind = 0; kind < hole_kinds; ++kind)
-            from_any += rule.prior[kind] * static_cast<double>(library.each[kind]) * beyond[kind];
-        const double scale = sum_of(beyond);
-        const auto stays = static_cast<float>(rule.stays / scale);
+            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; ++i)
+                now_.likely[i] = static_cast<float>(prior_[kind]) * library.each[kind] * library.weight[i];
+        first_ = now_.likely;
+    }
+
+    const Belief& now() const { return now_; }
+
+    void take(const Window& window, const Sums& sums) {
+        if (window.seen == 0) return;
+        now_.spread = inverse(plus(window.centre, inverse(now_.spread)));
+        const Float4Matrix A(window.centre), G(now_.spread);
+        const auto independent = static_cast<float>(window.independent);
+        for (std::size_t i = 0; i < library_.count(); i += 4) {
+            const Float4 x = four_at(&now_.x[i]), y = four_at(&now_.y[i]);
+            const Float4 bx = four_at(sums.x + i), by = four_at(sums.y + i);
+            const Float4 vx = bx - A.times_x(x, y), vy = by - A.times_y(x, y);
+            const Float4 to_x = G.times_x(vx, vy), to_y = G.times_y(vx, vy);
+            const Float4 square = four_at(sums.q + i) - x * (bx + vx) - y * (by + vy) - vx * to_x - vy * to_y;
+            Float4 log = four(-std::numeric_limits<float>::max());
+            for (const Scale& scale : scales_)
+                log =
+                    greater(scale.log_prior - independent * scale.log_scale - scale.half_inverse_square * square, log);
+            put(log, &log_[i]), put(x + to_x, &now_.x[i]), put(y + to_y, &now_.y[i]);
+        }
+        multiply(now_.likely);
+    }
+
+    void move() {
+        OfKinds sums{};
+        double x = 0.0, y = 0.0;
         for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
-            const double moves =
-                rule.changes * static_cast<double>(library.each[kind]) * beyond[kind] + rule.leaves * from_any;
-            const auto moved = static_cast<float>(moves / scale);
-            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4)
-                put(stays * four_at(&after[i]) + moved, &after[i]);
+            Float4 sum = {}, of_x = {}, of_y = {};
+            for (std::size_t i = library_.starts[kind]; i < library_.starts[kind + 1]; i += 4) {
+                const Float4 likely = four_at(&now_.likely[i]);
+                sum += likely, of_x += likely * four_at(&now_.x[i]), of_y += likely * four_at(&now_.y[i]);
+            }
+            sums[kind] = all_of(sum), x += all_of(of_x), y += all_of(of_y);
+        }
+        const double all = sum_of(sums);
+        const auto stays = static_cast<float>(moves_.stays / all), keeps = static_cast<float>(moves_.keeps),
+                   mean_x = static_cast<float>(x / all), mean_y = static_cast<float>(y / all);
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+            const double moves = moves_.changes * sums[kind] / all + moves_.leaves * prior_[kind];
+            const auto moved = static_cast<float>(moves * static_cast<double>(library_.each[kind]));
+            for (std::size_t i = library_.starts[kind]; i < library_.starts[kind + 1]; i += 4) {
+                const Float4 from = stays * four_at(&now_.likely[i]),
+                             all_there = from + moved * four_at(&library_.weight[i]);
+                const Float4 share = from / (all_there + least);
+                put(all_there, &now_.likely[i]);
+                put(keeps * (mean_x + share * (four_at(&now_.x[i]) - mean_x)), &now_.x[i]);
+                put(keeps * (mean_y + share * (four_at(&now_.y[i]) - mean_y)), &now_.y[i]);
+            }
+        }
+        const double kept = moves_.keeps * moves_.keeps;
+        now_.spread = plus(round_matrix((1.0 - kept) * variance_), now_.spread, kept);
+    }
+
+    // Returns the probability of each section from what two chains say that come from both sides. Both count the prior
+    // of section and centre.
+    std::vector<float> both(const Belief& above, const Belief& below) {
+        const Matrix a = inverse(above.spread), b = inverse(below.spread);
+        const Float4Matrix A(a), B(b), G(inverse(plus(plus(a, b), round_matrix(1.0 / variance_), -1.0)));
+        for (std::size_t i = 0; i < library_.count(); i += 4) {
+            const Float4 x = four_at(&above.x[i]), y = four_at(&above.y[i]);
+            const Float4 other_x = four_at(&below.x[i]), other_y = four_at(&below.y[i]);
+            const Float4 ax = A.times_x(x, y), ay = A.times_y(x, y);
+            const Float4 bx = B.times_x(other_x, other_y), by = B.times_y(other_x, other_y);
+            const Float4 apart = x * ax + y * ay + other_x * bx + other_y * by -
+                                 (ax + bx) * G.times_x(ax + bx, ay + by) - (ay + by) * G.times_y(ax + bx, ay + by);
+            put(-0.5f * apart, &log_[i]);
+        }
+        std::vector<float> out(library_.count());
+        for (std::size_t i = 0; i < library_.count(); i += 4)
+            put(four_at(&above.likely[i]) * four_at(&below.likely[i]) / (four_at(&first_[i]) + least), &out[i]);
+        multiply(out);
+        return out;
+    }
+
+  private:
+    static constexpr float least = 1e-30f;
+
+    // Multiplies by the evidence whose log is log_: 1 for the section that fits best, to the power of the temper.
+    void multiply(std::vector<float>& likely) {
+        Float4 most = four(-std::numeric_limits<float>::max());
+        for (std::size_t i = 0; i < library_.count(); i += 4)
+            most = greater(four_at(&library_.weight[i]) > 0.0f ? four_at(&log_[i]) : most, most);
+        const float greatest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+        for (std::size_t i = 0; i < library_.count(); i += 4) {
+            const Float4 x = (four_at(&log_[i]) - greatest) * temper_;
+            const Float4 within = x < 0.0f ? greater(x, four(-60.0f)) : four(0.0f);
+            put(four_at(&likely[i]) * exponentials(within), &likely[i]);
         }
     }
+
+    const Sections& library_;
+    const Moves& moves_;
+    Scales scales_;
+    double variance_;
+    float temper_;
+    OfKinds prior_;
+    std::vector<float> log_, first_;
+    Belief now_;
+};
+
+void write_row(const std::vector<float>& likely, const Sections& library, std::size_t row, LikelyAlong& out) {
+    OfKinds kinds{};
+    double size = 0.0, square = 0.0;
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+        Float4 of_kind = {}, of_size = {}, of_square = {};
+        for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
+            const Float4 of = four_at(&likely[i]), sized = of * four_at(&library.size[i]);
+            of_kind += of, of_size += sized, of_square += sized * four_at(&library.size[i]);
+        }
+        kinds[kind] = all_of(of_kind), size += all_of(of_size), square += all_of(of_square);
+    }
+    const double all = sum_of(kinds);
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) out.kinds[row * hole_kinds + kind] = kinds[kind] / all;
+    out.size[row] = size / all, out.size_square[row] = square / all;
 }
 
 using Double2 = double __attribute__((vector_size(16)));
 
-// Returns chi^2 of each window and each section, window by window. Eight sections are laid out part by part while all
-// windows are compared with them, so that a vector holds two sections.
-std::vector<double> compare_all(std::span<const WindowOf<double>> windows, std::span<const double> sections,
-                                std::size_t count) {
+// Returns chi^2 of each window and each section, window by window; the centre of each window is its own. Eight sections
+// are laid out part by part while all windows are compared with them, so that a vector holds two sections.
+std::vector<double> compare_all(std::span<const Window> windows, std::span<const double> sections, std::size_t count,
+                                double offset) {
     constexpr std::size_t pairs = at_once / 2;
     std::vector<double> squares(windows.size() * count);
+    std::vector<Matrix> spreads;  // weight^2 times the covariance of the centre
+    for (const Window& window : windows) {
+        const Matrix spread = inverse(plus(window.centre, round_matrix(1.0 / (offset * offset))));
+        spreads.push_back(plus({}, spread, window.weight * window.weight));
+    }
     for (std::size_t first = 0; first < count; first += at_once) {
         Double2 eight[section_parts][pairs];
         const std::size_t some = std::min(at_once, count - first);
@@ -298,17 +390,20 @@ std::vector<double> compare_all(std::span<const WindowOf<double>> windows, std::
             for (std::size_t part = 0; part < section_parts; ++part) eight[part][k / 2][k % 2] = section[part];
         }
         for (std::size_t row = 0; row < windows.size(); ++row) {
-            const WindowOf<double>& window = windows[row];
-            Double2 square[pairs] = {}, u[pairs] = {}, v[pairs] = {};
+            const Window& window = windows[row];
+            const Matrix& spread = spreads[row];
+            Double2 square[pairs] = {}, x[pairs] = {}, y[pairs] = {};
             for (int i = 0; i < window.seen; ++i) {
-                const WindowOf<double>::Part& part = window.parts[i];
+                const Part& part = window.parts[static_cast<std::size_t>(i)];
                 for (std::size_t k = 0; k < pairs; ++k) {
                     const Double2 off = part.length - eight[part.number][k];
-                    square[k] += off * off, u[k] += part.u * off, v[k] += part.v * off;
+                    square[k] += off * off, x[k] += part.of.cosine * off, y[k] += part.of.sine * off;
                 }
             }
             for (std::size_t k = 0; k < some; ++k) {
-                const Double2 of = window.weight * square[k / 2] - u[k / 2] * u[k / 2] - v[k / 2] * v[k / 2];
+                const Double2 explained = spread.xx * x[k / 2] * x[k / 2] + 2.0 * spread.xy * x[k / 2] * y[k / 2] +
+                                          spread.yy * y[k / 2] * y[k / 2];
+                const Double2 of = window.weight * square[k / 2] - explained;
                 squares[row * count + first + k] = of[k % 2];
             }
         }
@@ -369,26 +464,38 @@ LikelyAlong likely_along(std::span<const double> windows, double length, const S
     require(std::isfinite(length) && length > 0.0, "length", length, "must be finite and above 0");
     require(rule.stays > 0.0 && rule.stays < 1.0, "stays", rule.stays, "must lie between 0 and 1");
     require(rule.changes >= 0.0 && rule.changes <= 1.0, "changes", rule.changes, "must lie in [0, 1]");
+    require(rule.centre_stays > 0.0, "centre_stays", rule.centre_stays, "must be above 0");
     const Moves moves = moves_over(length, rule);
     const Sections sections = arranged(library);
-    const Scales scales = scales_of(rule.likeness);
-    std::vector<float> evidence(rows * sections.count());
-    const auto temper = static_cast<float>(rule.temper);
+    const std::size_t count = sections.count();
+    std::vector<Window> seen;
+    for (std::size_t row = 0; row < rows; ++row)
+        seen.push_back(window_of(&windows[row * section_parts], rule.likeness));
+    std::vector<float> numbers(rows * 3 * count);
+    const auto sums = [&](std::size_t row) {
+        float* const of = numbers.data() + row * 3 * count;
+        return Sums{of, of + count, of + 2 * count};
+    };
     for_each_range(threads, static_cast<Index>(rows), batch, [&](int, Range range) {
-        std::vector<Window> some;
-        for (Index row = range.start; row < range.stop; ++row)
-            some.push_back(window_of<float>(&windows[static_cast<std::size_t>(row) * section_parts], rule.likeness));
-        for (std::size_t i = 0; i < sections.count(); i += at_once)
-            for (Index row = range.start; row < range.stop; ++row)
-                compare(some[static_cast<std::size_t>(row - range.start)], scales, &sections.of[i * section_parts],
-                        &evidence[static_cast<std::size_t>(row) * sections.count() + i]);
-        for (Index row = range.start; row < range.stop; ++row)
-            temper_row(&evidence[static_cast<std::size_t>(row) * sections.count()], sections, temper);
+        for (std::size_t i = 0; i < count; i += at_once)
+            for (auto row = static_cast<std::size_t>(range.start); row < static_cast<std::size_t>(range.stop); ++row) {
+                const Sums of = sums(row);
+                compare(seen[row], &sections.of[i * section_parts], {of.q + i, of.x + i, of.y + i});
+            }
     });
-    std::vector<float> forward = evidence;
-    go_forward(forward, rows, sections, moves);
+    std::vector<Belief> above;
+    Chain down(sections, rule, moves), up(sections, rule, moves);
+    for (std::size_t row = 0; row < rows; ++row) {
+        if (row > 0) down.move();
+        down.take(seen[row], sums(row));
+        above.push_back(down.now());
+    }
     LikelyAlong out{std::vector<double>(rows * hole_kinds), std::vector<double>(rows), std::vector<double>(rows)};
-    go_back(evidence, forward, rows, sections, moves, out);
+    for (std::size_t row = rows; row-- > 0;) {
+        write_row(down.both(above[row], up.now()), sections, row, out);
+        up.take(seen[row], sums(row));
+        up.move();
+    }
     return out;
 }
 
@@ -400,14 +507,17 @@ LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& l
     std::array<double, hole_kinds> evidence{};
     double of_gauge = 0.0, of_any = 0.0, own = 0.0;
     Index seen = 0;
-    std::vector<WindowOf<double>> windows;
+    std::vector<Window> windows;
     for (std::size_t row = 0; row < rows; ++row)
-        windows.push_back(window_of<double>(&sections[row * section_parts], rule.likeness));
-    const std::vector<double> all_squares = compare_all(windows, library.sections, count);
+        windows.push_back(window_of(&sections[row * section_parts], rule.likeness));
+    const std::vector<double> all_squares = compare_all(windows, library.sections, count, rule.likeness.offset);
     for (std::size_t row = 0; row < rows; ++row) {
-        const WindowOf<double>& window = windows[row];
+        const Window& window = windows[row];
         const std::span<const double> squares = std::span(all_squares).subspan(row * count, count);
-        for (int i = 0; i < window.seen; ++i) own += window.parts[i].length * window.parts[i].length;
+        for (int i = 0; i < window.seen; ++i) {
+            const double length = window.parts[static_cast<std::size_t>(i)].length;
+            own += length * length;
+        }
         seen += window.seen;
         const auto gauge = squares.begin() + library.counts[0];
         const double best = *std::ranges::min_element(squares), counted = std::max(window.independent, 1.0);

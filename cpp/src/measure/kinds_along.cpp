@@ -15,7 +15,7 @@ namespace {
 constexpr double lengths[] = {0.1, 0.3, 0.5};  // of windows, metres: the first whose windows see enough parts
 constexpr std::size_t enough = 14;             // parts that a window sees, in the mean
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t block = 400, beside = 20;  // windows at once, and how many beside them count
+constexpr std::size_t block = 200, beside = 20;  // windows at once, and how many beside them count
 
 struct Windows {
     std::size_t turns = 1;         // of one window

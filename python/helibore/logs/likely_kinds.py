@@ -54,7 +54,8 @@ def kinds_along(
 
     It is for tools that have few samples a turn. Turns are taken together in windows. A chain carries the section of
     the library along the hole: from one window to the next it stays, changes within its kind, or becomes any section,
-    so that windows which see other parts of one shape add up. Parameters as of
+    so that windows which see other parts of one shape add up. It carries the tool's offset as well: one reading that is
+    short or long all along the hole is an offset, but a change of it on one side is not. Parameters as of
     `kind_probabilities`; ``height`` is that of a turn, metres. Only the turns ``wanted``, (turns,), have values, which
     windows beside them decide as well; the others are NaN.
     """

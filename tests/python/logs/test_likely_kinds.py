@@ -5,6 +5,9 @@ Each section is compared by least squares.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -19,7 +22,7 @@ from helibore.logs.likely_kinds import PARTS
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
 # The numbers of cpp/include/helibore/kinds.hpp.
-ROUGH, OFFSET, EFFECTIVE, TEMPER = 1.6e-3, 7e-3, 24.0, 0.7
+ROUGH, OFFSET, EFFECTIVE, TEMPER, CENTRE_STAYS = 1.6e-3, 7e-3, 24.0, 0.7, 20.0
 SCALES = {1.0: 0.5, 1.6: 0.3, 2.6: 0.15, 4.2: 0.05}
 PRIOR, ALONG_PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15), (0.68, 0.1, 0.1, 0.06, 0.06)
 EXPLAINED, RESEMBLES = 2.6, 0.35
@@ -37,54 +40,84 @@ def kind_probabilities(sections: Floats, bit: float, criteria: Criteria, even: b
     return np.array(kinds), sound
 
 
-def square_of(window: Floats, section: Floats) -> tuple[float, float]:
-    """Return chi^2 of a window and a section, by least squares over the tool's offset, and the parts that count."""
+class Belief(NamedTuple):
+    """What the windows on one side say: probability of each section, the tool's centre then, and its covariance."""
+
+    likely: Floats
+    centre: Floats
+    spread: Floats
+
+
+def compared(window: Floats, sections: Floats, before: Belief) -> tuple[Floats, Belief]:
+    """Return the logs of the evidence of a window for each section, and the belief without it.
+
+    The centre is found by least squares, from the parts that are seen and from where it was before.
+    """
     seen = np.flatnonzero(np.isfinite(window))
     if not seen.size:
-        return 0.0, 0.0
+        return np.zeros(len(sections)), before
     count = min(seen.size, EFFECTIVE)
     root = np.sqrt(count / seen.size) / ROUGH
     angle = seen * 2 * np.pi / PARTS
-    rows = np.vstack([root * np.column_stack([np.cos(angle), np.sin(angle)]), np.eye(2) / OFFSET])
-    off = np.append(root * (window - section)[seen], [0.0, 0.0])
-    left = off - rows @ np.linalg.lstsq(rows, off, rcond=None)[0]
-    return left @ left, count
+    own = np.linalg.cholesky(np.linalg.inv(before.spread)).T
+    rows = np.vstack([root * np.column_stack([np.cos(angle), np.sin(angle)]), own])
+    off = np.column_stack([root * (window - sections)[:, seen], before.centre @ own.T])
+    centre = np.linalg.lstsq(rows, off.T, rcond=None)[0].T
+    square = ((off - centre @ rows.T) ** 2).sum(axis=1)
+    logs = [np.log(share) - count * np.log(scale) - square / (2 * scale**2) for scale, share in SCALES.items()]
+    return np.max(logs, axis=0), Belief(before.likely, centre, np.linalg.inv(rows.T @ rows))
 
 
-def evidence(window: Floats, section: Floats) -> float:
-    """Return the log of the evidence of a window for a section."""
-    square, count = square_of(window, section)
-    if not count:
-        return 0.0
-    return max(np.log(share) - count * np.log(scale) - square / (2 * scale**2) for scale, share in SCALES.items())
+def tempered(likely: Floats, logs: Floats) -> Floats:
+    found = likely * np.exp(np.maximum(TEMPER * (logs - logs.max()), -60))
+    return np.asarray(found / found.sum())
 
 
-def reference(
-    windows: Floats, sections: Floats, kind: Floats, size: Floats, length: float = HEIGHT
-) -> tuple[Floats, Floats, Floats]:
-    """Return the probabilities of the kinds, mean and standard deviation of the size, by matrices of transition."""
+def beliefs(windows: Floats, sections: Floats, kind: Integers, length: float) -> Iterator[tuple[Belief, Belief]]:
+    """Yield the beliefs before and with each window, by matrices of transition."""
     stays = 0.8**length
     changes = 0.1 * (1 - stays)
     each = np.bincount(kind, minlength=5)
     prior = np.array(ALONG_PRIOR)[kind] / each[kind]
-    alike = (kind[:, None] == kind) / each[kind]
-    moves = stays * np.eye(len(kind)) + changes * alike + (1 - stays - changes) * prior
-    logs = np.array([[evidence(window, section) for section in sections] for window in windows])
-    given_ = np.exp(TEMPER * (logs - logs.max(axis=1, keepdims=True)))
-    forward, backward = [prior * given_[0]], [np.ones(len(kind))]
-    for row in given_[1:]:
-        forward.append(row * (forward[-1] @ moves) / forward[-1].sum())
-    for row in given_[:0:-1]:
-        backward.append(moves @ (row * backward[-1]) / backward[-1].max())
-    both = np.array(forward) * np.array(backward[::-1])
-    both /= both.sum(axis=1, keepdims=True)
-    mean = both @ size
-    sigma = np.sqrt((both * (size - mean[:, None]) ** 2).sum(axis=1))
-    return np.array([both[:, kind == code].sum(axis=1) for code in range(5)]).T, mean, sigma
+    moves = changes * (kind[:, None] == kind) / each[kind] + (1 - stays - changes) * prior
+    keeps = np.exp(-length / CENTRE_STAYS)
+    before = Belief(prior, np.zeros((len(kind), 2)), OFFSET**2 * np.eye(2))
+    for window in windows:
+        logs, now = compared(window, sections, before)
+        now = now._replace(likely=tempered(now.likely, logs))
+        yield before, now
+        stayed, moved = stays * now.likely, now.likely @ moves
+        mean = now.likely @ now.centre
+        centre = (stayed[:, None] * now.centre + moved[:, None] * mean) / (stayed + moved)[:, None]
+        before = Belief(stayed + moved, keeps * centre, keeps**2 * now.spread + (1 - keeps**2) * OFFSET**2 * np.eye(2))
+
+
+def reference(
+    windows: Floats, sections: Floats, kind: Integers, size: Floats, length: float = HEIGHT
+) -> tuple[Floats, Floats, Floats]:
+    """Return the probabilities of the kinds, mean and standard deviation of the size.
+
+    Where the chains from both sides have the centre of a section apart, it is less likely: by the integral over the
+    centre of both normal densities, divided by that of the prior.
+    """
+    prior = np.array(ALONG_PRIOR)[kind] / np.bincount(kind, minlength=5)[kind]
+    down = [with_it for _, with_it in beliefs(windows, sections, kind, length)]
+    up = [before for before, _ in beliefs(windows[::-1], sections, kind, length)][::-1]
+    both = []
+    for above, below in zip(down, up, strict=True):
+        a, b = np.linalg.inv(above.spread), np.linalg.inv(below.spread)
+        toward = above.centre @ a + below.centre @ b
+        joint = np.linalg.inv(a + b - np.eye(2) / OFFSET**2)
+        apart = sum(((x @ m) * x).sum(axis=1) for x, m in ((above.centre, a), (below.centre, b), (toward, -joint)))
+        both.append(tempered(above.likely * below.likely / prior, -0.5 * apart))
+    likely = np.array(both)
+    mean = likely @ size
+    sigma = np.sqrt((likely * (size - mean[:, None]) ** 2).sum(axis=1))
+    return np.array([likely[:, kind == code].sum(axis=1) for code in range(5)]).T, mean, sigma
 
 
 def core(
-    windows: Floats, sections: Floats, kind: Floats, size: Floats, threads: int = 1, height: float = HEIGHT
+    windows: Floats, sections: Floats, kind: Integers, size: Floats, threads: int = 1, height: float = HEIGHT
 ) -> tuple[Floats, ...]:
     a, b, c, d, e = np.bincount(kind, minlength=5).tolist()
     library = (sections.ravel(), (a, b, c, d, e), size, np.ones(size.size))
@@ -92,7 +125,7 @@ def core(
     return kinds.reshape(-1, 5), mean, sigma
 
 
-def made(seed: int, counts: tuple[int, ...], steps: int, seen: float) -> tuple[Floats, Floats, Floats, Floats]:
+def made(seed: int, counts: tuple[int, ...], steps: int, seen: float) -> tuple[Floats, Floats, Integers, Floats]:
     rng = np.random.default_rng(seed)
     kind = np.repeat(np.arange(5), counts)
     sections = rng.normal(0, 4e-3, (kind.size, PARTS))
@@ -161,7 +194,7 @@ def drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:
 
 
 def squares_of(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:
-    """Return `square_of` for all sections and shapes: what least squares leave, by a matrix that projects."""
+    """Return chi^2 of all sections and shapes, what least squares leave, by a matrix that projects, and their parts."""
     squares, counts = np.empty((len(sections), len(shapes))), np.empty(len(sections))
     for row, section in enumerate(sections):
         seen = np.flatnonzero(np.isfinite(section))
