@@ -7,8 +7,8 @@
 //           --'       ---         ---'
 //
 // chi^2 of a window's section d and a section s = min over the tool's offset (x, y) of
-// sum of w (d - s - x cos - y sin)^2 + (x^2 + y^2) / offset^2, over the parts that have samples. Along the hole the last
-// term is that of the offset from where the windows before had it: few samples show the offset only together.
+// sum of w (d - s - x cos - y sin)^2 + (x^2 + y^2) / offset^2, over the parts that have samples. Along the hole the
+// last term is that of the offset from where the windows before had it: few samples show the offset only together.
 #pragma once
 
 #include <array>
