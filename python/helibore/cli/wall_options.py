@@ -82,7 +82,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--gauge", "Gauge hole in place of SOURCE, which only carries images.", is_flag=True),
         opts("--image", "Image FILE:CHANNEL:ORIGIN[:REFERENCE]; ORIGIN, centre or edge of sector 1, lies at toolface 0 "
              "of REFERENCE, north or high-side.  [the wall's reference]", metavar="IMAGE"),
-        opt("--intervals", "Formation tops or intervals (CSV, Petrel).  [those of the archive]", type=FILE),
+        opts("--intervals", "Formation tops, casings or a mud log (CSV, Petrel).  [those of the archive]", type=FILE),
         *(_renamed(option_of(members(IntervalInput)[name]), f"intervals_{name}") for name in ("well", "unit")),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
@@ -435,9 +435,9 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
         over["survey"] = Input(options["survey"], set=options["survey_set"], map=options["survey_map"])
     if options["track"] is not None:
         over["track"] = Input(options["track"], map=options["track_map"])
-    if options["intervals"] is not None:
+    if options["intervals"]:
         named = {name: options[f"intervals_{name}"] for name in ("well", "unit")}
-        over["intervals"] = IntervalInput(options["intervals"], **named)
+        over["intervals"] = tuple(IntervalInput(file, **named) for file in options["intervals"])
     elif over_named := {name: given[f"intervals_{name}"] for name in ("well", "unit") if f"intervals_{name}" in given}:
         over["intervals"] = over_named
     return over

@@ -1,4 +1,4 @@
-"""Read formation tops and intervals: any table that `hb.open` reads, and the well tops of Petrel.
+"""Read formation tops, casings, mud logs and other intervals: any table that `hb.open` reads, and Petrel's well tops.
 
     Well,Surface,MD (m)                 # Petrel well tops
     A-1,Draupne,3105.2                  # Unit in depth: m
@@ -7,11 +7,15 @@
     Formation,Top_m,Base_m              MD
     Draupne,3105.2,3190.0               Surface
                                         Well
-                                        END HEADER
-                                        3105.2 "Draupne" "A-1"
+    Casing,Shoe (m),OD (in)             END HEADER
+    Surface,412.0,13 3/8                3105.2 "Draupne" "A-1"
 
-A table with a column of bottoms holds intervals, any other holds tops, each of which reaches to the next. Depths are
-measured depths: a table of true depths alone is refused. Of several wells, the well's own rows count.
+    From (m),To (m),Lithology,Shows
+    3100,3105,Claystone,
+
+A table with a column of bottoms holds intervals, any other holds tops, each of which reaches to the next. Names of
+formations cross all tracks; casings, and each column of a mud log, are a track of their own. Depths are measured ones:
+a table of true depths alone is refused. Of several wells, the well's own rows count.
 """
 
 from __future__ import annotations
@@ -25,14 +29,14 @@ from pathlib import Path
 import numpy as np
 
 from helibore.base import units
-from helibore.base.arrays import Floats, Mask
+from helibore.base.arrays import Array, Floats, Mask
 from helibore.base.errors import InputError
 from helibore.files.headings import to_float, unit_in_name
 from helibore.files.input_file import InputFile, ReadOptions, decode
-from helibore.files.number_rows import column_of
+from helibore.files.number_rows import NULL_TEXTS, column_of
 from helibore.files.raw_set import Channel
 from helibore.files.reading import read_file
-from helibore.logs.intervals import Interval, checked_intervals, intervals_of_tops
+from helibore.logs.intervals import CASING, WIDEST, Interval, checked_intervals
 
 NAMES = (
     "formation", "surface", "interval", "zone", "horizon", "marker", "unit", "lithostratigraphic unit", "member",
@@ -40,7 +44,19 @@ NAMES = (
 )  # fmt: skip
 """Columns that name an interval, in order of trust; ``name`` may follow any of them."""
 TOPS = ("md", "measured depth", "top", "from", "start", "depth", "dept")
-BOTTOMS = ("bottom", "base", "to", "stop", "end")
+BOTTOMS = ("bottom", "base", "to", "stop", "end", "shoe", "setting", "set")
+PIPES = ("casing", "liner", "tubing", "string", "pipe")
+"""Columns that name a pipe."""
+SIZES = ("od", "outer diameter", "outside diameter", "nominal od")
+"""Columns of the outer diameter of a pipe; where pipes are named, ``diameter`` and ``size`` are it, too."""
+TEXTS = frozenset(
+    (
+        "lithology", "litho", "rock", "cuttings", "description", "descriptions", "remark", "remarks", "comment",
+        "comments", "note", "notes", "event", "events", "show", "shows", "fluorescence", "stain", "facies", "fossils",
+        "texture", "colour", "color", "interpretation",
+    )
+)  # fmt: skip
+"""Words in the names of a mud log's columns of text."""
 WELLS = ("well", "wellbore", "borehole", "hole", "uwi", "well identifier")
 TYPES = ("type", "pick type", "surface type")
 HORIZON = "horizon"
@@ -66,13 +82,14 @@ class WellTops:
 def read_intervals(
     filename: str | PathLike[str], *, well: str | None = None, unit: str | None = None
 ) -> tuple[Interval, ...]:
-    """Read formation tops or intervals: a table with a name and a measured depth, or well tops of Petrel.
+    """Read formation tops, casings, a mud log or other intervals: a table with names and measured depths.
 
     Parameters
     ----------
     filename
         CSV, XLSX, Parquet or another table of `helibore.open`, or Petrel's text of well tops. Columns are found by
-        their names: formation, surface or zone; MD, top or depth; bottom or base; well.
+        their names: formation, surface or zone; casing with OD; lithology, description, shows ...; MD, top or depth;
+        bottom, base or shoe; well.
     well
         Well whose rows are read. None: the only well of the file.
     unit
@@ -159,14 +176,24 @@ def _named(channels: Sequence[Channel], words: Iterable[str], *more: str, text: 
 
 def _tops(channels: Sequence[Channel], stated: str, well: str | None, unit: str | None, likely: str) -> WellTops:
     listed = ", ".join(channel.name for channel in channels)
+    size = _named(channels, SIZES)
+    pipe = _named(channels, PIPES, "name", "string", "type")
+    if pipe is not None and size is None:
+        size = _named(channels, (*PIPES, "diameter", "size"), *SIZES, "size", "diameter")
+        size = None if size is pipe else size
     named = _named(channels, NAMES, "name", text=True) or _named(channels, ("name", *NAMES[:3]), "name")
+    texts = [one for one in channels if one is not named and one.is_text and TEXTS & set(_plain(one).split())]
+    pipe = pipe or (named if size is not None else None)
+    columns = [(CASING, pipe)] if pipe is not None else [("", named)] if named is not None else []
+    columns += [(_title(one), one) for one in texts]
     bottom = _named(channels, BOTTOMS, "md", "depth", text=False)
     order = (*TOPS[2:5], *TOPS[:2], *TOPS[5:]) if bottom else TOPS
     top = _named(channels, order, "md", "depth", text=False)
-    for role, found, words in (("a name", named, NAMES), ("a measured depth", top, TOPS)):
-        if found is None:
+    from_surface = pipe is not None and top is None and bottom is not None
+    top = bottom if from_surface else top
+    for role, found, words in (("a name", columns, NAMES), ("a measured depth", top, TOPS)):
+        if not found:
             raise InputError("columns", f"none is {role} ({', '.join(words[:4])} ...); the table has {listed}")
-    assert named is not None
     assert top is not None
     rows = np.ones(len(top.values), dtype=bool)
     remarks = []
@@ -188,17 +215,61 @@ def _tops(channels: Sequence[Channel], stated: str, well: str | None, unit: str 
     rows &= ~missing
     if not rows.any():
         raise InputError(f"column {top.name}", "no row has a depth")
+    source = f"names {', '.join(of.name for _, of in columns)}, depths {top.name}"
     at = np.flatnonzero(rows)
-    names = [_name(named.values[row]) for row in at]
-    source = f"names {named.name}, depths {top.name}"
+    start = np.zeros(at.size) if from_surface else depth[at]
+    stop = np.full(at.size, np.inf)
     if bottom is None:
-        intervals = intervals_of_tops(zip(names, depth[at].tolist(), strict=True))
+        at, start = at[(by_depth := np.argsort(start, kind="stable"))], start[by_depth]
+        stop[:-1] = start[1:]
     else:
-        source += f" to {bottom.name}"
+        source = source if from_surface else f"{source} to {bottom.name}"
         stop = _depths(bottom, units.factor(unit or bottom.unit or known, units.LENGTH))[at]
         stop = np.where(np.isnan(stop), np.inf, stop)
-        intervals = checked_intervals(map(Interval, names, depth[at].tolist(), stop.tolist()))
-    return WellTops(intervals, (f"{source}, in {units.canonical(known)}", *remarks))
+    sizes: list[float | None] = [None] * len(at)
+    if size is not None:
+        source += f", diameters {size.name}"
+        sizes, said = _sizes(size, at)
+        remarks += said
+    intervals = [
+        Interval(name, *ends, track, sizes[number] if of is pipe else None)
+        for track, of in columns
+        for number, (row, ends) in enumerate(zip(at, zip(start.tolist(), stop.tolist(), strict=True), strict=True))
+        if (name := _name(of.values[row])) not in NULL_TEXTS
+    ]
+    return WellTops(checked_intervals(intervals), (f"{source}, in {units.canonical(known)}", *remarks))
+
+
+def _title(channel: Channel) -> str:
+    """Return the name of a column as the title of a track: ``oil_shows`` is ``Oil shows``."""
+    text = re.sub(r"[\s_]+", " ", channel.name).strip()
+    return text[:1].upper() + text[1:]
+
+
+def _sizes(channel: Channel, rows: Array) -> tuple[list[float | None], list[str]]:
+    """Return outer diameters in metres, None where none can be read, and remarks on these."""
+    found: list[float | None] = []
+    remarks = []
+    for row in rows:
+        value = channel.values[row]
+        text = str(value).strip()
+        if not text or text in NULL_TEXTS or text == "nan":
+            found.append(None)
+            continue
+        found.append(None)
+        if text[-1:].isdigit() and not channel.unit:
+            remarks.append(f"{channel.name} {text} has no unit, drawn without it")
+            continue
+        try:
+            size = units.quantity(f"{text}{channel.unit}" if text[-1:].isdigit() else text, units.LENGTH)
+        except InputError as error:
+            remarks.append(f"{channel.name} {text}: {error.rule}, drawn without it")
+            continue
+        if not 0 < size <= WIDEST:
+            remarks.append(f"{channel.name} {text} is {size:g} m, must be at most {WIDEST:g} m: drawn without it")
+            continue
+        found[-1] = size
+    return found, list(dict.fromkeys(remarks))
 
 
 def _depths(channel: Channel, length: float) -> Floats:

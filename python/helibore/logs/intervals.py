@@ -1,9 +1,10 @@
 """Named intervals of a hole, such as formations, and what a wall measures in each.
 
     wall.intervals = hb.read_intervals("tops.csv")     a formation reaches from its top to the next top
-    wall.interval_table().save("formations.csv")       a row an interval, with the numbers of `Wall.summary`
+    wall.interval_table().save("formations.csv")       a row a formation, with the numbers of `Wall.summary`
 
-Archives keep the intervals; prints, reports and the viewer's page show their tops.
+Archives keep the intervals; prints, reports and the viewer's page show them: formations by their tops across all
+tracks, the others in the track that they name, casings to scale.
 """
 
 from __future__ import annotations
@@ -25,9 +26,13 @@ from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.zones import KINDS, Classification
 from helibore.samples.helix import WallLike, helix_of
 
-LONGEST_NAME = 80
-MOST = 1000
+LONGEST_NAME = 400
+MOST = 10_000
 """Most intervals of a wall."""
+WIDEST = 2.0
+"""Metres: an outer diameter is at most this wide."""
+CASING = "Casing"
+"""Name of the track of casings."""
 
 
 @dataclass(frozen=True)
@@ -37,36 +42,64 @@ class Interval:
     Attributes
     ----------
     name
-        At most 80 characters.
+        At most 400 characters: a formation, a casing, or what a mud log says.
     start, stop
         Measured depths, metres. ``stop`` is infinite where no deeper top is known.
+    track
+        Name of the track that shows it, such as ``"Casing"`` or ``"Lithology"``; "": a formation.
+    diameter
+        Outer diameter, metres, of a casing or another pipe, whose shoe is at ``stop``. None: it is no pipe.
     """
 
     name: str
     start: float
     stop: float = math.inf
+    track: str = ""
+    diameter: float | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not 0 < len(self.name.strip()) <= LONGEST_NAME:
-            raise InputError("name", f"must be a text of 1 to {LONGEST_NAME} characters", repr(self.name))
-        if HIDDEN.search(self.name):
-            rule = "must not hold control characters, marks that turn text around or halves of surrogate pairs"
-            raise InputError("name", rule, printable(self.name))
+        for part, least in (("name", 1), ("track", 0)):
+            text = getattr(self, part)
+            if not isinstance(text, str) or not least <= len(text.strip()) <= LONGEST_NAME:
+                raise InputError(part, f"must be a text of {least} to {LONGEST_NAME} characters", repr(text))
+            if HIDDEN.search(text):
+                rule = "must not hold control characters, marks that turn text around or halves of surrogate pairs"
+                raise InputError(part, rule, printable(text))
         for end in ("start", "stop"):
             vars(self)[end] = float(getattr(self, end))
         if not (math.isfinite(self.start) and self.start <= self.stop):
             rule = "start must be finite, and stop not above it"
             raise InputError(f"interval {self.name!r}", rule, f"{self.start:g} to {self.stop:g} m")
+        if self.diameter is not None:
+            if not self.track:
+                raise InputError(f"interval {self.name!r}", "track must be given for a pipe, such as 'Casing'")
+            vars(self)["diameter"] = float(self.diameter)
+            if not 0 < self.diameter <= WIDEST:
+                rule = f"diameter must be above 0 and at most {WIDEST:g} m"
+                raise InputError(f"interval {self.name!r}", rule, f"{self.diameter:g} m")
+
+    def as_row(self) -> list[str | float | None]:
+        """Return name, start and stop as JSON can hold them; of a casing or a mud log track and diameter follow."""
+        row: list[str | float | None] = [self.name, self.start, None if math.isinf(self.stop) else self.stop]
+        return [*row, self.track, *([] if self.diameter is None else [self.diameter])] if self.track else row
 
 
-def intervals_of_tops(tops: Iterable[tuple[str, float]]) -> tuple[Interval, ...]:
-    """Return the intervals between tops, by depth: each reaches to the next deeper top, the last one to infinity.
+def tracks_of(intervals: Iterable[Interval]) -> dict[str, list[Interval]]:
+    """Return the intervals by the name of their track, in the order of the depths at which the tracks begin."""
+    found: dict[str, list[Interval]] = {}
+    for one in intervals:
+        found.setdefault(one.track, []).append(one)
+    return found
 
-    Of tops at one depth, all but the last have no length: such a formation is missing in this well.
-    """
-    ordered = sorted(tops, key=lambda top: top[1])
-    ends = [depth for _, depth in ordered[1:]] + [math.inf]
-    return tuple(Interval(name, depth, end) for (name, depth), end in zip(ordered, ends, strict=True))
+
+def outside_text(intervals: Sequence[Interval], top: float, bottom: float) -> str:
+    """Return in words how many intervals lie outside the part of a hole that is shown; "" if all lie inside."""
+    outside = sum(one.stop <= top or one.start >= bottom for one in intervals)
+    if not outside:
+        return ""
+    if outside < len(intervals):
+        return f"{outside} of {len(intervals)} outside {top:.0f} to {bottom:.0f} m"
+    return f"none of {len(intervals)} within {top:.0f} to {bottom:.0f} m: is their unit right?"
 
 
 def checked_intervals(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
@@ -163,11 +196,11 @@ def _text(value: float, decimals: int) -> str:
 
 
 def interval_table(wall: WallLike, intervals: Sequence[Interval], zones: Classification) -> IntervalTable:
-    """Return what a wall measures in each interval, as `Wall.interval_table` does; ``zones`` are those of the wall."""
+    """Return what a wall measures in each formation, as `Wall.interval_table` does; ``zones`` are those of the wall."""
     logs = zones.logs
     top, bottom = helix_of(wall).ends(len(wall.radius)) if len(wall.radius) else (math.nan, math.nan)
     rows = []
-    for one in checked_intervals(intervals):
+    for one in checked_intervals(one for one in intervals if not one.track):
         start, stop = max(one.start, top), min(one.stop, bottom)
         if not start < stop:
             rows.append(IntervalRow(one, None, math.nan))

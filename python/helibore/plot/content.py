@@ -27,6 +27,7 @@ from helibore.base.units import size_text
 from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
+from helibore.logs.intervals import tracks_of
 from helibore.logs.picks import PLANES
 from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.turn_logs import Logs, turn_logs
@@ -36,6 +37,7 @@ from helibore.plot.cross_sections import CrossSection, sections_at, telling_dept
 from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
 from helibore.plot.diameters import diameters
 from helibore.plot.hatching import mostly_interpolated
+from helibore.plot.interval_tracks import IntervalTrack
 from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
 from helibore.plot.solid import Stretched, most_relief, turns_between
@@ -45,7 +47,6 @@ from helibore.plot.tracks import (
     CaliperTrack,
     DepthTrack,
     ImageTrack,
-    IntervalTrack,
     PlacedTrack,
     ScalarTrack,
     Shown,
@@ -206,8 +207,10 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks: list[PlacedTrack] = [
         DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
     ]
-    if wall.intervals:
-        tracks.append(IntervalTrack(wall.intervals, top, bottom))
+    tracks += [
+        IntervalTrack(name, intervals, top, bottom, drawing.size_unit)
+        for name, intervals in sorted(tracks_of(wall.intervals).items(), key=lambda track: track[0] != "")
+    ]
     others = [_Other.of(name, one) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
@@ -272,19 +275,28 @@ def _logged(logs: Logs) -> list[ScalarCurve]:
 def _arranged(
     template: Template, tracks: list[PlacedTrack], curves: Sequence[ScalarCurve], top: float, bottom: float
 ) -> list[PlacedTrack]:
-    """Return the tracks of depths and intervals, then the tracks of a template for which the wall has values."""
+    """Return the tracks of depths and intervals, then the tracks of a template for which the wall has values.
+
+    A track of intervals that the template has stands where the template has it.
+    """
     images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
     by_name = {curve.name: curve for curve in reversed(curves)}
-    arranged: list[PlacedTrack] = [track for track in tracks if isinstance(track, DepthTrack | IntervalTrack)]
+    named = {track.name: track for track in tracks if isinstance(track, IntervalTrack) and track.name}
+    placed = [named.get(wanted.name) for wanted in template.track if wanted.kind == "intervals"]
+    arranged: list[PlacedTrack] = [
+        track for track in tracks if isinstance(track, DepthTrack | IntervalTrack) and track not in placed
+    ]
     for wanted in template.track:
         found: list[PlacedTrack] = []
         if wanted.kind == "image":
             found = [
                 images[name] for name in (RADIUS_TITLE if wanted.name == RADIUS else wanted.name,) if name in images
             ]
+        elif wanted.kind == "intervals":
+            found = [named[wanted.name]] if wanted.name in named else []
         elif wanted.kind == "curves":
-            named = [by_name[name] for name in wanted.names if name in by_name]
-            found = [ScalarTrack(curve, top, bottom) for curve in named if curve.there(top, bottom).any()]
+            curves = [by_name[name] for name in wanted.names if name in by_name]
+            found = [ScalarTrack(curve, top, bottom) for curve in curves if curve.there(top, bottom).any()]
         else:
             kind = CaliperTrack if wanted.kind == "caliper" else DipTrack
             found = [track for track in tracks if isinstance(track, kind)]

@@ -24,7 +24,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.colors import DIP_TITLES
 from helibore.base.harmless import in_html
 from helibore.base.units import BARREL
-from helibore.logs.intervals import interval_table
+from helibore.logs.intervals import interval_table, outside_text, tracks_of
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import NO_UNCERTAINTY, RANGED, TOOLFACE_0
@@ -289,13 +289,31 @@ def _diameters(content: Content) -> str:
 
 
 def _intervals(content: Content) -> str:
-    """Return what was measured in each interval of the wall, as HTML."""
+    """Return what was measured in each formation, and the casings and columns of the mud log, as HTML."""
     drawing = content.drawing
-    rows = interval_table(content.state, content.wall.intervals, content.zones).rows(drawing.unit)
-    filled = [at for at, cells in enumerate(zip(*rows[1:], strict=True)) if at < 4 or any(cells)]
-    head, *rest = [[row[at] for at in filled] for row in rows]
-    note = "Numbers are those of the part that the log reaches; an interval without any has none."
-    return f"<p>{note}</p>" + table([name.replace("_", " ").capitalize() for name in head], rest)
+    found = []
+    for name, intervals in sorted(tracks_of(content.wall.intervals).items(), key=lambda track: track[0] != ""):
+        if not name:
+            rows = interval_table(content.state, intervals, content.zones).rows(drawing.unit)
+            filled = [at for at, cells in enumerate(zip(*rows[1:], strict=True)) if at < 4 or any(cells)]
+            head, *rest = [[row[at] for at in filled] for row in rows]
+            note = "Numbers are those of the part that the log reaches; an interval without any has none."
+            found.append(f"<p>{note}</p>" + table([cell.replace("_", " ").capitalize() for cell in head], rest))
+            continue
+        outside = outside_text(intervals, content.top, content.bottom)
+        found.append(f"<p>{in_html(sentence(f'{name}: {outside}'))}</p>" if outside else "")
+        pipes = any(one.diameter is not None for one in intervals)
+        shown = [one for one in intervals if pipes or (one.stop > content.top and one.start < content.bottom)]
+        depths = drawing.depth_unit.name
+        head = [name, f"From [{depths}]", f"To [{depths}]", *[f"Outer diameter [{drawing.size_unit}]"] * pipes]
+        rows = [
+            [one.name, in_depth_unit(one.start, content),
+             in_depth_unit(one.stop, content) if math.isfinite(one.stop) else " ",
+             *[" " if one.diameter is None else in_unit(one.diameter, content)] * pipes]
+            for one in shown
+        ]  # fmt: skip
+        found.append(table(head, rows) if rows else "")
+    return "".join(found)
 
 
 def _cement(sheet: CementSheet, content: Content) -> str:

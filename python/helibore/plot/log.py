@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, Any
 from helibore.base.errors import InputError, check_choice
 from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
+from helibore.plot.interval_tracks import tops_across
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
 from helibore.plot.print_header import draw_footer, draw_header, footer_height, header_height
 from helibore.plot.solid import draw_solid
-from helibore.plot.tracks import HEAD, Stretch, tops_across
+from helibore.plot.tracks import HEAD, Stretch
 from helibore.plot.zone_list import draw_zones, zone_list_height
 
 if TYPE_CHECKING:

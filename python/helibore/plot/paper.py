@@ -109,18 +109,23 @@ class Sheet:
 
         If these are more than ``most`` lines, the last of the ``most`` lines holds the rest, shortened.
         """
-        text = printable(text)
-        trial = self.text(x, y, text, LEAST, **extra)
-        room, lines = len(text), [text]
-        while self._too_wide(trial, lines, within) and room > 1:
-            room -= 1
-            lines = wrap(text, room)
-        trial.remove()
+        lines = self.wrapped(text, LEAST, within, **extra)
         if len(lines) > most:
             lines = [*lines[: most - 1], " ".join(lines[most - 1 :])]
         for row, line in enumerate(lines):
             at = y + (row - 0.5 * (len(lines) - 1)) * LINE
             self.text(x, at, line, size if len(lines) == 1 else LEAST, within, **extra)
+
+    def wrapped(self, text: str, size: float, within: float, **extra: Any) -> list[str]:
+        """Return text in as few lines as are at most ``within`` millimetres wide."""
+        text = printable(text)
+        trial = self.text(0.0, 0.0, text, size, **extra)
+        room, lines = len(text), [text]
+        while self._too_wide(trial, lines, within) and room > 1:
+            room -= 1
+            lines = wrap(text, room)
+        trial.remove()
+        return lines
 
     def _too_wide(self, trial: Text, lines: Sequence[str], within: float) -> bool:
         for line in lines:

@@ -18,12 +18,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import FILL_COLORS, TOP_COLOR, ZONE_COLORS, ColorScale, ink_on
+from helibore.base.colors import FILL_COLORS, ZONE_COLORS, ColorScale, ink_on
 from helibore.base.errors import InputError
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve
-from helibore.logs.intervals import Interval
 from helibore.logs.volume_ticks import VolumeTicks
 from helibore.logs.zones import Zone
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
@@ -50,8 +49,6 @@ SIDES = {
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
 AREA = "#b3261e"
-INTERVAL_FILLS = ("#f3f6ef", "#ffffff")
-"""Colours of every other interval."""
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Letters of the kinds of zones, beside their colours."""
 STRIP = 0.2
@@ -176,46 +173,6 @@ class DepthTrack:
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
             axes.text(self._middle, place, f"{true / self.unit.metres:.1f}", **look)
-
-
-class IntervalTrack:
-    """The names of the intervals, each under its top; the tops cross all tracks (`tops_across`)."""
-
-    width, least = 18.0, 10.0
-
-    def __init__(self, intervals: Sequence[Interval], top: float, bottom: float) -> None:
-        self.intervals = [one for one in intervals if one.start < bottom and one.stop > top and one.stop > one.start]
-
-    def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write the title."""
-        sheet.text(x + 0.5 * self.width, y + 8.0, "Intervals", ha="center", within=self.width - 1)
-        sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
-
-    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Shade every second interval, and write the names; a name moves down where another stands."""
-        axes = bare_axes(sheet, x, self.width, stretch)
-        axes.set_xlim(0, 1)
-        along = (stretch.bottom - stretch.top) / stretch.height
-        free = stretch.top
-        for number, one in enumerate(self.intervals):
-            top, bottom = max(one.start, stretch.top), min(one.stop, stretch.bottom)
-            if top >= bottom:
-                continue
-            axes.axhspan(top, bottom, color=INTERVAL_FILLS[number % 2], linewidth=0)
-            place = max(top, free) + 1.7 * along
-            if place + 1.3 * along > stretch.bottom:
-                continue
-            down = stretch.y + (place - stretch.top) / along
-            sheet.text(x + 0.8, down, one.name, SMALL, within=self.width - 1.6, color=TOP_COLOR)
-            free = place + along
-        return axes
-
-
-def tops_across(axes: Axes, intervals: Sequence[Interval], stretch: Stretch) -> None:
-    """Draw a line at each end of an interval across a track."""
-    for depth in {end for one in intervals for end in (one.start, one.stop)}:
-        if stretch.top < depth < stretch.bottom:
-            axes.axhline(depth, color=TOP_COLOR, linewidth=0.9, zorder=6)
 
 
 class CaliperTrack:

@@ -142,7 +142,7 @@ class Project(Declared):
     survey: Annotated[Input | None, "Survey. None: the hole is straight and vertical."] = None
     image: Annotated[tuple[ImageInput, ...], "Images."] = ()
     scalar: Annotated[tuple[ScalarInput, ...], "Curves of a print or report."] = ()
-    intervals: Annotated[IntervalInput | None, "Formation tops or intervals. None: those of the archive."] = None
+    intervals: Annotated[tuple[IntervalInput, ...], "Formation tops, casings, mud logs; else the archive's."] = ()
     columns: Annotated[Columns, "Columns of the files."] = field(default_factory=Columns)
     reading: Annotated[ReadingSettings, "How files are read."] = field(default_factory=ReadingSettings)
     echo: Annotated[Echo | None, "How travel times become radii."] = None
@@ -240,6 +240,10 @@ def read_project(path: str | os.PathLike[str] | None, over: Mapping[str, Any] | 
     source, tree = (TomlSource(""), {}) if path is None else TomlSource.load(Path(path))
     tree = with_tables(tree, source) if source.recorded else tree
     over = dict(over or {})
+    of_intervals = over.pop("intervals", ())
+    if not isinstance(of_intervals, Mapping):
+        over |= {"intervals": of_intervals} if of_intervals else {}
+        of_intervals = {}
     if "archive" in tree or "archive" in over:
         over.pop("wall", None)
     else:
@@ -247,7 +251,10 @@ def read_project(path: str | os.PathLike[str] | None, over: Mapping[str, Any] | 
     project = read_table(Project, tree, source, over=over)
     template = project.print.get("template")
     named = {"template": source.folder / template} if isinstance(template, str) else {}
-    return dataclasses.replace(project, print=project.print | named)
+    if of_intervals and not project.intervals:
+        raise InputError("intervals", "name a file of them", setting="intervals.file")
+    intervals = tuple(dataclasses.replace(one, **of_intervals) for one in project.intervals)
+    return dataclasses.replace(project, intervals=intervals, print=project.print | named)
 
 
 def project_of(tree: dict[str, Any], place: str) -> Project:

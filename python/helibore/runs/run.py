@@ -38,6 +38,7 @@ from helibore.channels.role_map import parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.files.input_file import ReadOptions
 from helibore.images.sector_image import SectorImage
+from helibore.logs.intervals import Interval, outside_text
 from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
@@ -54,7 +55,7 @@ from helibore.runs.project import (
 )
 from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
-from helibore.samples.helix import WallLike
+from helibore.samples.helix import WallLike, helix_of
 from helibore.settings.column_settings import Columns
 from helibore.settings.declared import Declared
 from helibore.settings.reading_settings import ReadingSettings
@@ -383,15 +384,21 @@ def build_wall(
 
 
 def _add_intervals(run: Run) -> list[tuple[str, str]]:
-    """Give the wall the intervals of the run's file, if it has one; return lines on what was read."""
-    one = run.settings.intervals
-    if one is None:
+    """Give the wall the intervals of the run's files, if it has any; return lines on what was read."""
+    if not run.settings.intervals:
         return []
     from helibore.files.well_tops import read_tops
 
-    found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", ""))
-    run.wall.intervals = found.intervals
-    return [("intervals", f"{len(found.intervals)} of {one.file.name}: {', '.join(found.remarks)}")]
+    intervals: list[Interval] = []
+    lines: list[tuple[str, str]] = []
+    for one in run.settings.intervals:
+        found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", ""))
+        intervals += found.intervals
+        outside = outside_text(found.intervals, *helix_of(run.wall).ends(len(run.wall))) if len(run.wall) else ""
+        said = ", ".join([*found.remarks, *([outside] if outside else [])])
+        lines.append(("" if lines else "intervals", f"{len(found.intervals)} of {one.file.name}: {said}"))
+    run.wall.intervals = tuple(intervals)
+    return lines
 
 
 def _norths(preparation: Preparation) -> dict[str, float]:

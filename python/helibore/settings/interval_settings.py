@@ -1,4 +1,4 @@
-"""The settings of a file of formation tops or intervals."""
+"""The settings of a file of formation tops, casings, a mud log or other intervals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CHECKSUM = Rule("must be 64 hexadecimal digits", lambda text: re.fullmatch(r"([0
 
 @dataclass(frozen=True)
 class IntervalInput(Declared, group="intervals"):
-    """A table of formation tops or intervals."""
+    """A table of formation tops, casings, a mud log or other intervals."""
 
     file: Annotated[Path, "File, relative to the project."]
     blake2b: Annotated[str, CHECKSUM, "Checksum of its bytes, in hexadecimal."] = ""

@@ -40,15 +40,17 @@ PIXEL = INCH / MILLIMETRE / 96  # size of a pixel, millimetres
 class TemplateTrack(Declared, group="template.track"):
     """One track of a template, ``[[track]]``."""
 
-    kind: Annotated[Literal["caliper", "image", "curves", "dips"], "What the track shows."]
-    name: Annotated[str, 'Name of the image, or "Radius"; only for an image.'] = ""
+    kind: Annotated[Literal["caliper", "image", "curves", "dips", "intervals"], "What the track shows."]
+    name: Annotated[str, 'Name of the image, or "Radius"; or of the track of intervals, as "Casing".'] = ""
     names: Annotated[tuple[str, ...], "Names of the curves, or mnemonics of logs; only for curves."] = ()
     width: Annotated[float | None, within(20, 4000, "pixels"), "Width, in pixels of 1/96 in."] = None
 
     def _check(self) -> None:
-        for name, value, kind in (("name", self.name, "image"), ("names", list(self.names), "curves")):
-            if (self.kind == kind) != bool(value):
-                raise InputError(name, f"must be given if kind is {kind}, and left out for other kinds", repr(value))
+        named = ("name", self.name, ("image", "intervals")), ("names", list(self.names), ("curves",))
+        for name, value, kinds in named:
+            if (self.kind in kinds) != bool(value):
+                listed = " or ".join(kinds)
+                raise InputError(name, f"must be given if kind is {listed}, and left out for other kinds", repr(value))
 
     @property
     def millimetres(self) -> float | None:

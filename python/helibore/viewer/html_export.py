@@ -1,6 +1,6 @@
 """A section of the wall and the page that shows it, as one HTML file that a browser opens from disk.
 
-    index.html with app.css and app.js in it  +  handshake, state, history and the binary messages of the section
+    index.html with app.css, more.js and app.js in it  +  handshake, state, history and binary messages of the section
 
 The page reads the enclosed messages instead of opening a websocket, so it draws the section as the live page did, and
 the overview of the whole wall. Its content-security policy forbids every request.
@@ -59,7 +59,8 @@ def html_export(
         "summary": printable_texts(copy.summarize(*sorted((start, stop)))) if copy.summarize else None,
     }
     before, after = _page(files)
-    return itertools.chain([before], _scripts(enclosed, messages_of(copy, tiles), files["app.js"]), [after])
+    app = files["more.js"] + files["app.js"]
+    return itertools.chain([before], _scripts(enclosed, messages_of(copy, tiles), app), [after])
 
 
 def _curves(scene: Scene, address: str) -> list[str]:

@@ -9,6 +9,7 @@ from helibore.base.errors import InputError
 TYPES = {
     "index.html": "text/html; charset=utf-8",
     "app.js": "text/javascript; charset=utf-8",
+    "more.js": "text/javascript; charset=utf-8",
     "app.css": "text/css; charset=utf-8",
 }
 

@@ -131,7 +131,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
         "saves_picks": scene.saves_picks,
-        "intervals": [[one.name, one.start, None if math.isinf(one.stop) else one.stop] for one in scene.intervals],
+        "intervals": [one.as_row() for one in scene.intervals],
         "plan": np.round(scene.plan, 2).tolist(),
         "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # the curves that a caller gave
     }

@@ -161,7 +161,7 @@ def _settings(settings: Settings) -> dict[str, Any]:
 
 def _intervals(wall: WallColumns) -> dict[str, Any]:
     """Return the named intervals; {} without any: an archive older than they are keeps its bytes."""
-    named = [[one.name, one.start, None if math.isinf(one.stop) else one.stop] for one in wall.intervals]
+    named = [one.as_row() for one in wall.intervals]
     return {"intervals": named} if named else {}
 
 

@@ -96,7 +96,8 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
             units[row["name"]] = row["unit"]
     arms = Caliper(**columns) if columns else None
     intervals = [
-        Interval(name, start, math.inf if stop is None else stop) for name, start, stop in contents.get("intervals", ())
+        Interval(name, start, math.inf if stop is None else stop, *more)
+        for name, start, stop, *more in contents.get("intervals", ())
     ]
     wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"], (), intervals))
     if not recompute:

@@ -269,7 +269,7 @@ class WallReads:
         return state.kept.keep(found, how)
 
     def interval_table(self, criteria: Criteria | None = None, *, sigma: bool = False) -> IntervalTable:
-        """Return diameters, volume, measured share and metres by kind in each of `intervals`.
+        """Return diameters, volume, measured share and metres by kind in each of `intervals` that is a formation.
 
         Parameters
         ----------

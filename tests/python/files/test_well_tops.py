@@ -90,3 +90,52 @@ def test_what_cannot_be_read_names_the_reason(tmp_path: Path, text: str, setting
         hb.read_intervals(write(tmp_path, text))
     assert part in str(error.value)
     assert error.value.setting == setting
+
+
+CASINGS = {
+    "inches": "Casing,Top (m),Shoe (m),OD (in),Grade\nSurface,0,412,13 3/8,L-80\nLiner,1950,2012.5,9.625,L-80\n",
+    "a unit in each cell": 'Casing,Top (m),Setting Depth (m),OD\nSurface,0,412,13 3/8"\nLiner,1950,2012.5,244.475 mm\n',
+    "feet": "Section,From_ft,To_ft,OD_mm\nSurface,0,1351.706037,339.725\nLiner,6397.637795,6602.690289,244.475\n",
+}
+
+
+@pytest.mark.parametrize("text", CASINGS.values(), ids=CASINGS.keys())
+def test_a_table_with_outer_diameters_holds_casings(tmp_path: Path, text: str) -> None:
+    for found, name, start, stop, inches in zip(
+        hb.read_intervals(write(tmp_path, text)), ("Surface", "Liner"), (0, 1950), (412, 2012.5), (13.375, 9.625),
+        strict=True,
+    ):  # fmt: skip
+        assert (found.name, found.track) == (name, "Casing")
+        assert [found.start, found.stop, found.diameter] == pytest.approx([start, stop, inches * 0.0254], abs=1e-5)
+
+
+def test_casings_without_tops_begin_at_the_surface(tmp_path: Path) -> None:
+    (one,) = hb.read_intervals(write(tmp_path, "Casing,Shoe (m),OD (in)\nSurface,412,20\n"))
+    assert (one.start, one.stop) == (0.0, 412.0)
+
+
+@pytest.mark.parametrize(
+    ("cell", "part"),
+    [("9.625 m", "9.625 m is 9.625 m"), ("9.625", "has no unit"), ("9.625 kg", "not known"), ("wide", "must be a num")],
+)
+def test_a_casing_whose_size_cannot_be_is_drawn_without_it_and_said(tmp_path: Path, cell: str, part: str) -> None:
+    found = read_tops(write(tmp_path, f"Casing,Top (m),Shoe (m),OD\nA,0,10,20 in\nB,0,20,{cell}\n"))
+    assert [one.diameter for one in found.intervals] == [pytest.approx(0.508), None]
+    assert part in "; ".join(found.remarks)
+
+
+def test_each_column_of_a_mud_log_is_a_track(tmp_path: Path) -> None:
+    text = "From (m),To (m),Lithology,Oil_shows,ROP\n100,105,Claystone,,12\n105,110,Sandstone,fair,30\n"
+    found = hb.read_intervals(write(tmp_path, text))
+    assert [(one.track, one.name, one.start, one.stop) for one in found] == [
+        ("Lithology", "Claystone", 100.0, 105.0),
+        ("Lithology", "Sandstone", 105.0, 110.0),
+        ("Oil shows", "fair", 105.0, 110.0),
+    ]
+
+
+def test_a_formation_with_its_lithology_is_two_tracks(tmp_path: Path) -> None:
+    found = hb.read_intervals(write(tmp_path, "Formation,Top (m),Lithology\nDraupne,10,shale\nHugin,20,sand\n"))
+    assert [(one.track, one.name, one.stop) for one in found] == [
+        ("", "Draupne", 20.0), ("Lithology", "shale", 20.0), ("", "Hugin", math.inf), ("Lithology", "sand", math.inf),
+    ]  # fmt: skip

@@ -108,6 +108,60 @@ def test_a_print_has_their_names_and_a_line_at_each_top_across_all_tracks() -> N
     assert "1,003" in table or "1003.00" in table
 
 
+PLACED = (
+    hb.Interval("Surface", 0, 1002, "Casing", 0.34), hb.Interval("Far", 0, 500, "Casing", 0.5),
+    hb.Interval("clr to transl, f to m gr <b>, sub-ang to sub-rnd, mod srt, sil cmt", 1001, 1005, "Lithology"),
+)  # fmt: skip
+
+
+def test_casings_and_mud_logs_are_tracks_of_their_own(tmp_path: Path) -> None:
+    wall = copy.deepcopy(made())
+    wall.intervals = (*NAMED, *PLACED)
+    wall.save(tmp_path / "w.wall")
+    assert set(hb.load(tmp_path / "w.wall").intervals) == {*NAMED, *PLACED}
+    assert [row.interval for row in wall.interval_table().intervals] == list(NAMED), "only formations are measured"
+    content = content_of(wall, Drawing(polar=(), body=()))
+    sheet = Sheet(260, 500, 50)
+    draw_tracks(sheet, content, content.top, content.bottom, 10)
+    texts = [text.get_text() for text in sheet.figure.texts]
+    assert {"Casing [mm]", "Lithology", "Surface", "340.0 mm"} <= set(texts)
+    assert "Far" not in texts
+    assert any("1 of 2 outside" in text for text in texts), "said where it is drawn"
+    (casing,) = (track for track in content.tracks if getattr(track, "name", "") == "Casing")
+    (axes,) = (axes for axes, track in zip(sheet.figure.axes, content.tracks, strict=False) if track is casing)
+    walls = sorted(float(line.get_segments()[0][0][0]) for line in axes.collections[:2])
+    assert walls == pytest.approx([-0.17, 0.17]), "to scale"
+    assert all(line.get_segments()[0][1][1] == 1002 for line in axes.collections[:2]), "down to the shoe"
+    table = _intervals(content)
+    assert "340.0" in table
+    assert "f to m gr &lt;b&gt;" in table
+    assert "1 of 2 outside" in table
+
+
+def test_intervals_in_a_wrong_unit_get_a_sentence_and_the_rest_is_drawn() -> None:
+    wall = copy.deepcopy(made())
+    wall.intervals = (hb.Interval("A", 305, 306, "Lithology"), hb.Interval("B", 306, 307, "Lithology"))
+    content = content_of(wall, Drawing(polar=(), body=()))
+    sheet = Sheet(260, 500, 50)
+    draw_tracks(sheet, content, content.top, content.bottom, 10)
+    words = " ".join(text.get_text() for text in sheet.figure.texts)
+    assert "none of 2" in words
+    assert "unit right?" in words
+
+
+@pytest.mark.parametrize(
+    ("values", "part"),
+    [
+        ({"diameter": 9.625, "track": "Casing"}, "at most 2 m"),
+        ({"diameter": 0.2}, "track must be given"),
+        ({"track": 7}, "track"),
+    ],
+)
+def test_a_casing_keeps_its_rules(values: dict[str, object], part: str) -> None:
+    with pytest.raises(hb.InputError, match=part):
+        hb.Interval("A", 0, 10, **values)  # type: ignore[arg-type]
+
+
 def test_one_command_from_tops_to_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     bare = copy.deepcopy(made())
@@ -130,4 +184,10 @@ def test_one_command_from_tops_to_a_table(tmp_path: Path, monkeypatch: pytest.Mo
     assert again.exit_code == 0, again.output
     Path("p.toml").write_text('archive = "w.wall"\nintervals = {file = "tops.csv", unit = "m"}\n')
     assert run("logs", "p.toml", "-o", "l.csv", "--interval-table", "j.csv", "-q").exit_code == 0
+    assert Path("j.csv").read_text() == Path("i.csv").read_text()
+    Path("casing.csv").write_text("Casing,Shoe (m),OD (in)\nSurface,1002,13 3/8\n")
+    Path("p.toml").write_text('archive = "w.wall"\nintervals = ["tops.csv", "casing.csv"]\n')
+    done = run("logs", "p.toml", "-o", "l.csv", "--interval-table", "j.csv", "-s", "intervals.unit=m")
+    assert done.exit_code == 0, done.output
+    assert "1 of casing.csv" in done.output
     assert Path("j.csv").read_text() == Path("i.csv").read_text()

@@ -272,7 +272,8 @@ def test_every_group_of_settings_is_a_table_of_a_project() -> None:
             own_part: Any = members(own[name].stated or own[name].hint)[part].parts[0]
             assert own_part is kind
             continue
-        table = own[name].parts[1] if part else own[name].stated or own[name].hint
+        listed = own[name].kind is tuple and own[name].parts[0]
+        table = own[name].parts[1] if part else own[name].stated or listed or own[name].hint
         assert issubclass(table, kind), group
         assert members(kind).keys() <= members(table).keys()
     assert tuple(NAMES) == tuple(members(Header))

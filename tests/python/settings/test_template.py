@@ -48,7 +48,7 @@ def test_a_template_has_tracks_in_order_with_their_widths(tmp_path: Path) -> Non
         (
             '[[track]]\nkind = "image"',
             "line 1: track 1.name",
-            "must be given if kind is image, and left out for other kinds",
+            "must be given if kind is image or intervals, and left out for other kinds",
             "''",
         ),
         (

@@ -702,6 +702,70 @@ def test_tops_cross_all_tracks_and_the_plan_runs_beside_the_hole(browser: Any, t
         screen.close()
 
 
+def test_casings_and_mud_logs_stand_in_tracks_and_the_shoe_in_the_hole(browser: Any) -> None:
+    depth = np.arange(2000.0, 2040.0, 0.01)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    wall.intervals = [
+        hb.Interval("Conductor", 0.0, 120.0, "Casing", 0.762),
+        hb.Interval("Surface", 0.0, 2012.5, "Casing", 0.244),
+        hb.Interval("Sandstone, clr to transl, f to m gr, sub-ang to sub-rnd, mod srt", 2005.0, 2020.0, "Lithology"),
+        hb.Interval("in feet", 500.0, 510.0, "Shows"),
+    ]
+    texts = "document.getElementById('ink').labels.map(({ text }) => text)"
+    path = hb.Survey([1900.0, 2100.0], [30.0, 40.0], [40.0, 60.0]).path()
+    with hb.view(wall, path=path) as viewer:
+        address = "#md=2012&sec=20&curves=Casing~Lithology~Shows"
+        screen = Screen(browser, viewer.url, address, (1920, 1080), drawn=False)
+        screen.until("globalThis.more")
+        screen.evaluate("window.__wall.app.view.point({ depth: 2010, toolface: 10 }, true)")
+        screen.settle()
+        assert {"Casing [mm]", "Surface", "244", "Lithology"} <= set(screen.evaluate(texts))
+        words = " ".join(screen.evaluate(texts))
+        assert "sub-ang to sub-rnd" in words, "in as many lines as it needs"
+        assert "1 outside" in words
+        assert "none of 1" in words, "a wrong unit gets a sentence; the rest is drawn"
+        read = screen.readout()
+        assert read["Casing"] == "Surface, 244 mm, shoe at 2012.5 m"
+        assert read["Lithology"].startswith("Sandstone")
+        rects = screen.evaluate("window.__wall.app.renderer.rects")
+        shoe = rects["axis"]["top"] + (2012.5 - 2002) / 20 * rects["axis"]["height"]
+        sides = [line for line in screen.evaluate("document.getElementById('ink').strokes") if line[0] == line[2]]
+        for track in ("column0", "wall"):
+            left, right = rects[track]["left"], rects[track]["left"] + rects[track]["width"]
+            pipe = [line for line in sides if left < line[0] < right and abs(line[3] - shoe) < 1]
+            assert len(pipe) == 2, f"both walls of the casing end at the shoe: {track}"
+            assert sum(line[0] for line in pipe) == pytest.approx(left + right, abs=2), "about the middle"
+        for camera in ("outside", "down"):
+            screen.evaluate(f"window.__wall.app.view.choose({{ camera: '{camera}' }})")
+            screen.settle()
+            assert "shoe Surface, 244 mm" in screen.evaluate(texts)
+        shown = screen.evaluate("(window.__wall.app.curves.choose('Lithology'), window.__wall.app.view.curves)")
+        assert shown == ["Casing", "Shows"]
+        screen.settle()
+        assert "column2" not in screen.evaluate("window.__wall.app.renderer.rects")
+        assert not screen.errors
+        screen.close()
+
+
+def test_a_part_that_does_not_come_is_said_and_the_rest_drawn(browser: Any) -> None:
+    depth = np.arange(2000.0, 2005.0, 0.01)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    wall.intervals = [hb.Interval("Surface", 0.0, 2003.0, "Casing", 0.34)]
+    with hb.view(wall) as viewer:
+        browser.contexts[0].route("**/more.js*", lambda route: route.abort())
+        try:
+            screen = Screen(browser, viewer.url, "", (1366, 768), drawn=False)
+            screen.until("document.getElementById('notice').textContent.includes('did not come')")
+            assert not screen.errors
+            screen.close()
+        finally:
+            browser.contexts[0].unroute("**/more.js*")
+
+
 # Plays a video in the page: how long it is, and how many colours its last frame has.
 PLAYED = """([base64, { left, width }]) => new Promise((done, failed) => {
   const video = document.createElement('video');

@@ -86,7 +86,7 @@ export class Curves {
   }
 
   get shown() {
-    return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter((one) => one !== undefined);
+    return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter((one) => one !== undefined).slice(-STYLES.length);
   }
 
   // The diameters by which the server judges a wall of few arms, once they have arrived; null for other walls.
@@ -109,9 +109,9 @@ export class Curves {
   }
 
   list() {
-    const { view } = this.app;
+    const { view, store } = this.app;
     /** @type {Choice[]} */
-    const offered = this.offered.map(({ name }) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]);
+    const offered = [...(store?.columns ?? []), ...this.offered.map(({ name }) => name)].map((name) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]);
     options('curve', [['', 'Curves'], ...offered, [SAVE, 'template …']]);
   }
 

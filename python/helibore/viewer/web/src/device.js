@@ -1,7 +1,7 @@
 // Whether this machine draws with its processor instead of a graphics card. If so, every sample of a pixel is expensive, and
 // so is every canvas that the browser sends through GL: edges are not smoothed, and 2-D canvases are kept off GL.
 
-export const SOFTWARE = typeof document !== 'undefined' && drawnInSoftware();
+export const SOFTWARE = typeof document !== 'undefined' && /* @__PURE__ */ drawnInSoftware();
 
 function drawnInSoftware() {
   const probe = document.createElement('canvas').getContext('webgl2');

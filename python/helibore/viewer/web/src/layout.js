@@ -24,12 +24,12 @@ const PHONE = 600; // a narrower stage has room for the image and the caliper al
 const bounded = (value, least, most) => Math.round(Math.min(most, Math.max(least, value)));
 
 /** @type {(width: number, height: number, arrangement?: Arrangement) => Rects} */
-export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, outside = false, tab = null, beside = 0, curves = 0, chosen = {}, order = [] } = {}) {
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, outside = false, tab = null, beside = 0, curves = 0, columns = [], chosen = {}, order = [] } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const slim = tab !== null && width < PHONE;
   const widths = rig ? { map: 0, axis: 66, image: Math.round(width * 0.36), caliper: 0 }
     : tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 }
-      : slim ? phone(width, measured, dips) : desk(width, { dips, measured, beside, curves });
+      : slim ? phone(width, measured, dips) : desk(width, { dips, measured, beside, curves, columns });
   /** @type {Rects} */
   const rects = {};
   let left = 4;
@@ -50,12 +50,12 @@ function phone(width, measured, dips) {
   return { map: 38, axis: 70, image: width - 126 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS.phone } : {}) };
 }
 
-/** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number }} of @returns {Record<string, number>} */
-function desk(width, { dips, measured, beside, curves }) {
+/** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number, columns: [string, number][] }} of @returns {Record<string, number>} */
+function desk(width, { dips, measured, beside, curves, columns }) {
   const image = beside ? bounded((0.375 * width) / (beside + 1), 130, 480) : bounded(width * (measured ? 0.25 : 0.4), 190, measured ? 480 : 760);
   const besides = Object.fromEntries(Array.from({ length: beside }, (_, i) => [`beside${i}`, image]));
   const caliper = measured ? bounded(width * (beside ? 0.11 : 0.15) - (dips ? 10 : 0), 110, 280) : 0;
-  return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS.desk } : {}) };
+  return { map: 52, axis: 72, ...Object.fromEntries(columns), image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS.desk } : {}) };
 }
 
 // Return names and widths of the tracks as the user arranged them. All tracks become narrower if the hole would get fewer than

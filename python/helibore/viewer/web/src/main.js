@@ -191,7 +191,7 @@ export class App {
   /** @param {Template} template */
   arrange(template) {
     if (this.view.order.length) return;
-    this.view.showTracks(fromTemplate(template, this.selection.quantities));
+    this.view.showTracks(fromTemplate(template, this.selection.quantities, this.store.columns));
     this.renderer.arrange();
     if (template.scale) this.selection.setLength(`1:${template.scale}`);
   }

@@ -4,8 +4,6 @@
 import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
 import { label, PALETTES, SMALL } from './layout.js';
-import { BREAKOUT } from './picking.js';
-import { sized } from './device.js';
 
 const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose
@@ -36,10 +34,9 @@ const sidesOf = ({ surveyed, reference }) => {
 const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
 
 // Draw the stereonet and the rose, and return in words what they show.
-/** @param {Canvas} canvas @param {Look} look @param {Planes} planes */
-export function drawNet(canvas, { view, path }, { kept, boxes }) {
+/** @param {{ ink: Ink, width: number, height: number }} canvas @param {Look} look @param {Planes} planes */
+export function drawNet({ ink, width, height }, { view, path }, { kept, boxes }) {
   const palette = PALETTES[view.theme];
-  const { ink, width, height } = sized(canvas);
   ink.clearRect(0, 0, width, height);
   /** @param {{ depth: number }} of */
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
@@ -58,7 +55,7 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const axes = breakouts.flatMap(({ depth, toolface }) => [0, 180].map((turn) => toolface - north(depth) + turn));
   const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
   petals(ink, flower, rose(dips), palette.soft);
-  petals(ink, flower, rose(axes), palette.picks[BREAKOUT]);
+  petals(ink, flower, rose(axes), palette.picks.breakout);
   return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (sidesOf(path)[0] === 'N' ? 'dip azimuths' : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
 }
 

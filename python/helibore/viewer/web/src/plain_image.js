@@ -1,7 +1,6 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
 import { dynamicRange, lookup, Q_ATTRIBUTE, scaling, themed, valueAt } from './color.js';
-import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';
 import { wrap360 } from './helix.js';
@@ -17,7 +16,7 @@ export class PlainImage {
     const { left, top, width, height } = look.rects.image;
     const [w, h] = [Math.round(width), Math.round(height)];
     Object.assign(this.canvas, { width: w, height: h });
-    const target = pen(this.canvas);
+    const target = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext('2d'));
     const picture = target.createImageData(w, h);
     for (const piece of look.imagePieces) this.piece(picture, look, piece);
     target.putImageData(picture, 0, 0);
@@ -76,3 +75,8 @@ function sparse([red, green, blue], diagonal, dark) {
   if (diagonal % 10 === 0) return dark ? Uint8Array.of(117, 117, 117, 255) : Uint8Array.of(140, 140, 140, 255);
   return Uint8Array.of(...[red, green, blue].map((c) => Math.round(0.45 * c + 0.55 * (dark ? 38 : 245))), 255);
 }
+
+const drawn = new PlainImage();
+
+/** @param {Ink} ink @param {Look} look */
+export const plainImage = (ink, look) => drawn.draw(ink, look);

@@ -12,12 +12,11 @@ import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
 import { bindOrbit } from './input.js';
 import { lamp, spokenText } from './lamp.js';
+import { late } from './late.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
 import { DepthMap } from './map.js';
-import { drawNet } from './net.js';
 import { drawNotes } from './notes.js';
 import { applyTheme, Histogram, links, listZones, paperScale, readout, reflect, writeBrief } from './panel.js';
-import { PlainImage } from './plain_image.js';
 import { drawPolar, turnAt, turnText } from './polar.js';
 import { writeRig } from './rig.js';
 import { NARROW, PHONE } from './selection.js';
@@ -90,7 +89,7 @@ export class Renderer {
       this.controls = bindOrbit(this.app, this.gpu);
       byId('gl').addEventListener('webglcontextrestored', this.repaint);
     } catch (error) {
-      this.plain = new PlainImage();
+      this.plain = true;
       this.app.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${messageOf(error)})`);
     }
   }
@@ -100,7 +99,9 @@ export class Renderer {
   get arrangement() {
     const { app: { view, store, picking, curves, selection }, straight } = this;
     const dips = picking.shown && (picking.on || !PHONE.matches || store.basis === 'gauge'); // a phone has room for the caliper or the dips
-    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    /** @type {[string, number][]} */
+    const columns = (store?.columns ?? []).flatMap((name, i) => (view.curves.includes(name) ? [[`column${i}`, store.placed.some((one) => one[3] === name && one[4]) ? 100 : 132]] : []));
+    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, columns, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
   // Whether the hole is drawn straightened, with the same depth axis as the tracks.
@@ -206,15 +207,18 @@ export class Renderer {
 
   /** @param {Looks} look */
   drawInk(look) {
-    const { app: { picking, curves, view }, rects, gpu, straight } = this;
+    const { app, rects, gpu, straight } = this;
+    const { picking, curves, view } = app;
     const { ink, width, height } = sized(byId('ink'));
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
-    if (rects.image.width) for (const one of look.images) this.plain?.draw(ink, one);
+    if (rects.image.width && this.plain) for (const one of look.images) late(app)?.plainImage(ink, one);
     drawAxis(ink, look);
     if (rects.image.width) for (const one of look.images) drawImageHead(ink, one);
     const calipers = drawCaliper(ink, look);
     if (rects.curves) curves.draw(ink, look);
+    const more = look.store.columns.length ? late(app) : undefined;
+    more?.drawColumns(ink, look);
     drawOutside(ink, look);
     drawTops(ink, look);
     this.map.draw(ink, look, picking.kept);
@@ -225,12 +229,13 @@ export class Renderer {
     if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);
     picking.write(planes);
     byId('netSection').hidden = !picking.kept.length;
-    if (byId('net').clientHeight) byId('netText').textContent = drawNet(byId('net'), look, planes);
+    if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
     drawCursor(ink, look);
     if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
     drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
     else if (gpu && rects.wall.width && !straight) drawWallInk(ink, look, gpu, calipers);
+    if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }
 
@@ -246,6 +251,7 @@ export class Renderer {
     selection.read = readout({ store, view, path, quad: this.quad });
     const interval = intervalAt(store.intervals, cursor?.depth ?? view.middle);
     if (interval) selection.read.push(['Interval', interval]);
+    if (store.columns.length) selection.read.push(...(late(app)?.columnRows(look, cursor?.depth ?? view.middle) ?? []));
     selection.read.push(...app.curves.readout(cursor?.depth ?? view.middle), ...stringRows(look.string, view.units));
     write('readout', cursor || !NARROW.matches ? selection.read : selection.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // on a touch screen nothing hovers: empty values are left out
     if (selection.toSay && (!covered || wall.locate(k).tile)) {

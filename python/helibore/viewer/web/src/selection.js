@@ -12,6 +12,7 @@ import { jump, turnTowards } from './zones.js';
 export const NARROW = window.matchMedia('(max-width: 999px)');
 export const PHONE = window.matchMedia('(max-width: 599px)');
 const BLINK = 700; // milliseconds that each image is seen
+const USUAL_CURVES = 2;
 const ROOM_FOR_CURVES = 800; // pixels: in a narrower stage, a track of curves would make the other tracks narrower
 
 export class Selection {
@@ -47,7 +48,7 @@ export class Selection {
     const width = byId('stage').clientWidth;
     document.body.classList.toggle('rig', view.rig);
     const room = NARROW.matches ? 1 : Math.floor((width - 600) / 400);
-    const curves = NARROW.matches || width < ROOM_FOR_CURVES ? [] : given.filter((name) => !contents || name in contents.curves);
+    const curves = NARROW.matches || width < ROOM_FOR_CURVES ? [] : [...store.columns.slice(0, Math.max(0, Math.floor((width - 800) / 200))), ...given.filter((name) => !contents || name in contents.curves).slice(0, USUAL_CURVES)];
     const images = quantities.filter(({ mode, length }) => mode === Q_ATTRIBUTE && !length).map(({ id }) => id);
     const beside = images.filter((id) => id !== this.quantity.id).slice(0, Math.max(0, room));
     return [beside, curves, PHONE.matches && store.basis === 'average' ? images[0] : undefined];

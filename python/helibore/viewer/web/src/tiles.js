@@ -98,7 +98,10 @@ export class Store {
     this.session = handshake.session;
     this.basis = handshake.basis;
     this.attributes = handshake.attributes;
-    this.intervals = handshake.intervals ?? [];
+    const intervals = handshake.intervals ?? [];
+    this.intervals = intervals.filter(([, , , track]) => !track); // formations, whose tops cross all tracks
+    this.placed = intervals.filter(([, , , track]) => track); // casings, mud log: in tracks of their own
+    this.columns = [...new Set(this.placed.map(([, , , track]) => track ?? ''))]; // the names of these tracks
     this.plan = handshake.plan ?? [];
     this.radiusUnit = handshake.radius_unit;
     this.nearestUnit = handshake.nearest_unit;

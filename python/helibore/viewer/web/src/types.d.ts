@@ -36,7 +36,7 @@ interface Hatching { step: number; fill: number; rising: boolean }
 interface Rect { left: number; top: number; width: number; height: number }
 type Rects = Record<string, Rect>; // by the name of the panel or track
 interface Arrangement {
-  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; outside?: boolean; tab?: string | null; beside?: number; curves?: number;
+  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; outside?: boolean; tab?: string | null; beside?: number; curves?: number; columns?: [string, number][];
   chosen?: Record<string, number>; order?: string[];
 }
 interface Palette {
@@ -103,7 +103,7 @@ interface Arms { depth: Float64Array; min: Float32Array; max: Float32Array; c2: 
 interface CurveValues { depth: Float64Array; values: Float32Array; step: number }
 
 // Messages.
-type NamedInterval = [name: string, start: number, stop: number | null];
+type NamedInterval = [name: string, start: number, stop: number | null, track?: string, diameter?: number];
 interface Handshake {
   intervals?: NamedInterval[]; plan?: number[][];
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;

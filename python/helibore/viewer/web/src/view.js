@@ -7,8 +7,7 @@ import { LENGTHS } from './units.js';
 
 const SHORTEST = 0.5; // metres of section
 const MOST_BESIDE = 3;
-const MOST_CURVES = 4;
-const USUAL_CURVES = 2;
+const MOST_CURVES = 8; // and columns of intervals
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 const NARROWEST = 64; // pixels of a track
@@ -143,12 +142,11 @@ export class View extends Settings {
     this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
   }
 
-  // Show these images beside the first image, or `first` alone, and the first two of these curves, unless the user or the address
-  // chose.
+  // Show these images beside the first image, or `first` alone, and these curves, unless the user or the address chose.
   /** @param {string[]} beside @param {string[]} curves @param {string} [first] */
   usual(beside, curves, first) {
     if (!this.imagesChosen) this.#change(first ? { quantity: first, beside: [] } : { beside: beside.slice(0, MOST_BESIDE) });
-    if (!this.curvesChosen) this.#change({ curves: curves.slice(0, USUAL_CURVES) });
+    if (!this.curvesChosen) this.#change({ curves });
   }
 
   // Keep the section's length when the page connects again.

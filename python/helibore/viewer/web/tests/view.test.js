@@ -204,9 +204,9 @@ test('a print has the scale of the screen, else the usual one nearest to it', ()
   assert.deepEqual([3.2, 139.5, 143.5, 199.4, 70000.5].map(at), [20, 100, 200, 200, 1000]);
 });
 
-test('the first two curves of files are shown until the address or the user chooses others, or none', () => {
+test('the usual curves are shown until the address or the user chooses others, or none', () => {
   const view = new View(() => {});
-  view.usual([], ['GR', 'ROP', 'RES']);
+  view.usual([], ['GR', 'ROP']);
   assert.deepEqual(view.curves, ['GR', 'ROP']);
   const other = new View(() => {});
   other.fromAddress(view.toAddress());

@@ -1,0 +1,16 @@
+// What few readers need is a file of its own, more.js, which the page loads when it draws the first of it; an exported file
+// holds it from the start.
+
+import { messageOf } from './errors.js';
+
+let loading = false;
+
+// Return what more.js has; undefined until it is here, after which `app` is drawn anew.
+/** @param {App} app */
+export function late(app) {
+  const { more } = /** @type {{ more?: typeof import('./more.js') }} */ (globalThis);
+  if (more || loading) return more;
+  loading = true;
+  import(String(new URL(`more.js${location.search}`, location.href))).then(app.repaint, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (loading = false));
+  return undefined;
+}

@@ -1,0 +1,5 @@
+// The parts of the page that late.js loads.
+
+export { columnRows, drawColumns, drawPipes } from './columns.js';
+export { drawNet } from './net.js';
+export { plainImage } from './plain_image.js';
