@@ -278,7 +278,9 @@ def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any,
 
 
 def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:
+    viewer.scene.change_picks(lambda picks: picks.put(Pick(kind="bed", depth=1011.0, toolface=40.0, apparent_dip=60.0)))
     live = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=GR")
+    live.until("window.__wall.app.picking.kept.length === 1")
     live.settle()
     with live.expect_download() as saved:
         live.click("#export")
@@ -292,6 +294,10 @@ def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, t
     assert shown.requests == [file.as_uri()]
     assert re.match(rf"export of {CLOCK} ", shown.inner_text("#lampText"))
     assert not shown.is_visible("#csv")
+    kept = shown.evaluate("window.__wall.app.picking.kept.map(({ kind, depth }) => [kind, depth])")
+    assert kept == [["bed", 1011]], "with its picks"
+    assert shown.inner_text("#netText").startswith("1 pole"), "and what draws them"
+    viewer.scene.change_picks(Picks.clear)
     shown.mouse.move(*place(shown, 100, 1010))
     shown.until("window.__wall.app.view.cursor")
     shown.settle()
@@ -493,6 +499,64 @@ def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: A
     height = screen.evaluate("window.__wall.app.renderer.rects.image.height")
     assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(height / 96 * 0.0254 * 200)
     assert screen.evaluate("document.getElementById('sectionLength').value") == "1:200"
+    screen.close()
+
+
+def test_a_curtain_lays_the_image_beside_over_the_first_and_the_passes_over_each_other(browser: Any) -> None:
+    """Left of the line the first image, right of it the other one; the pointer moves the line."""
+    wall = MadeWall(20_000)
+    with hb.view(wall, attributes=gamma_and_resistivity(wall), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12&quantity=GR", (1366, 768))
+        screen.keyboard.press("e")
+        screen.settle()
+        first, other = screen.pixels("image"), screen.pixels("beside0")
+        middle = first.shape[1] // 2
+        screen.keyboard.press("w")
+        screen.until("globalThis.more")
+        screen.settle()
+        both = screen.pixels("image")
+        np.testing.assert_array_equal(both[:, : middle - 1], first[:, : middle - 1])
+        np.testing.assert_array_equal(both[:, middle + 1 :], other[:, middle + 1 :])
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert {"◂ Over bit radius", "GR ▸"} <= set(texts)
+        screen.point_at(across=0.25)
+        screen.settle()
+        both = screen.pixels("image")
+        np.testing.assert_array_equal(both[:, middle // 2 + 2 :], other[:, middle // 2 + 2 :])
+        assert "curtain=0.2" in screen.address()
+        screen.evaluate("window.__wall.app.view.showImages('over', [])")  # alone again: the two passes
+        viewer.update(wall.patch(64 * 100, 64 * 140, 0.01))
+        screen.until("window.__wall.app.store.vertex(6410)?.radius > 0.115")
+        screen.settle()
+        latest = screen.pixels("image")
+        screen.keyboard.press("w")
+        screen.keyboard.press("x")
+        screen.until("window.__wall.app.view.pass === 'first'")
+        screen.until("window.__wall.app.view.pass === 'latest'")
+        screen.keyboard.press("x")
+        screen.evaluate("window.__wall.app.view.choose({ pass: 'latest', curtain: null })")
+        screen.settle()
+        whole = screen.pixels("image")
+        assert not np.array_equal(latest, whole)
+        screen.evaluate("window.__wall.app.view.choose({ pass: 'first' })")
+        screen.settle()
+        line = round(0.25 * whole.shape[1])
+        np.testing.assert_array_equal(latest[:, : line - 2], whole[:, : line - 2])
+        np.testing.assert_array_equal(latest[:, line + 2 :], screen.pixels("image")[:, line + 2 :])
+        screen.close()
+
+
+def test_three_images_are_shown_in_turn(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12&quantity=over&beside=GR~RES", (1366, 768), drawn=False)
+    screen.settle()
+    now = "[window.__wall.app.view.quantity, ...window.__wall.app.view.beside].join()"
+    names = screen.evaluate(now).split(",")
+    assert len(names) == 3
+    screen.keyboard.press("x")
+    for turn in (1, 2, 3):
+        screen.until(f"{now} === '{','.join(names[turn % 3 :] + names[: turn % 3])}'")
+    screen.keyboard.press("x")
+    screen.settle()
     screen.close()
 
 

@@ -157,6 +157,17 @@ def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
         phone = Screen(browser, viewer.url, "#md=2020&sec=38", (390, 844), drawn=False)
         phone.settle()
         assert "GR [gAPI]" in ink_texts(phone), "the one image that was measured"
+        look = (
+            "(({ color, backgroundColor: ground }) => [color, ground])(getComputedStyle(document.getElementById('%s')))"
+        )
+        for theme in ("light", "dark"):
+            phone.evaluate(f"window.__wall.app.view.choose({{ theme: '{theme}' }})")
+            phone.settle()
+            alarm = phone.evaluate(look % "alarm")[1]
+            for colour in phone.evaluate(look % "basis"):
+                red, green, blue = map(int, re.findall(r"\d+", colour)[:3])
+                assert colour != alarm
+                assert red - max(green, blue) < 60, "what is always so is not in the colours of an alarm"
         phone.close()
 
 

@@ -41,10 +41,11 @@ def test_rig_mode_says_in_large_type_within_the_window_why_it_waits(browser: Any
         sources="rig: listening, since 20:34:15 UTC.\n0 samples received.\n"
         "Check that the sender of rig runs and sends to port 9973 of this machine."
     )
-    narrow = size[0] < 1000
-    screen = Waiting(browser, server.url, "#rig=1" if narrow else "", size, drawn=False)
-    if not narrow:
+    screen = Waiting(browser, server.url, "#rig=1" if size[0] < 600 else "", size, drawn=False)
+    if size[0] == 1366:
         screen.keyboard.press("k")
+    elif size[0] == 768:
+        screen.click("#rigOpen")
     screen.until(f"{WORDS}.includes('port 9973') && document.body.classList.contains('rig')")
     box = screen.locator("#connection").bounding_box()
     assert box["x"] >= 0

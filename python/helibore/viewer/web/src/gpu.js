@@ -75,6 +75,7 @@ export class Gpu {
     this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
     this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
     for (const one of look.images) this.image(one);
+    if (look.curtain) this.image(look.curtain, look.curtain.from);
     if (look.wallRect.width < 1) return undefined;
     if (look.view.camera === 'straight') return this.column(look);
     this.place(look);
@@ -116,13 +117,14 @@ export class Gpu {
     }
   }
 
-  // Restrict drawing to a rectangle, and clear it to a colour if there is one.
-  /** @type {(rect: Rect, colour?: number | null) => void} */
-  begin({ left, top, width, height }, colour = null) {
+  // Restrict drawing to a rectangle, from a share of its width on, and clear it to a colour if there is one.
+  /** @type {(rect: Rect, colour?: number | null, from?: number) => void} */
+  begin({ left, top, width, height }, colour = null, from = 0) {
     const { gl, ratio } = this;
     const [x, y, w, h] = [left, this.height - top - height, width, height].map((side) => Math.round(side * ratio));
     gl.viewport(x, y, w, h);
-    gl.scissor(x, y, w, h);
+    const hidden = Math.round(from * w);
+    gl.scissor(x + hidden, y, w - hidden, h);
     if (colour === null) return;
     const [red, green, blue] = [16, 8, 0].map((shift) => ((colour >> shift) & 255) / 255);
     gl.clearColor(red, green, blue, 1);
@@ -146,13 +148,13 @@ export class Gpu {
     setTimeout(look, 10);
   }
 
-  /** @param {Look} look */
-  image(look) {
+  /** @param {Look} look @param {number} [from] share of the width */
+  image(look, from = 0) {
     const { gl, context } = this;
     const { top, bottom, cut } = look.view;
     const { height } = look.imageRect;
     const { reference, offset } = CUTS[cut];
-    this.begin(look.imageRect);
+    this.begin(look.imageRect, from ? look.background : null, from);
     gl.disable(gl.DEPTH_TEST);
     /** @param {number} depth */
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);

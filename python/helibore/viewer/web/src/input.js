@@ -48,6 +48,7 @@ export function bindTracks(app) {
     }
     const { curve, crest } = precision(event);
     const aim = app.picking.on ? aimAt(app, x, y) : null;
+  pull(app, x, y);
     const depth = app.store ? depthAt(app.view, app.renderer.rects.axis, y) : NaN;
     const string = app.renderer.straight && app.store && y > HEAD ? app.renderer.look() : null;
     drag = { string: string && onString(string, x, depth) ? (string.string?.bottom ?? NaN) - depth : null, head, width: head ? app.renderer.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.renderer.rects.image.width, event.pointerType === 'touch'), x, y, top: app.view.top, moved: false, onMap: inside(app.renderer.rects.map, x, y), turn: app.renderer.straight && inside(app.renderer.rects.wall, x, y) ? app.view.turn : null };
@@ -116,6 +117,7 @@ const reachOf = ({ view, renderer: { rects } }, pixels) => (pixels * view.length
 /** @param {App} app @param {number} x @param {number} y */
 function hover(app, x, y) {
   if (app.view.pinned) return;
+  pull(app, x, y);
   app.view.point(cursorAt(app, x, y));
 }
 
@@ -147,6 +149,12 @@ function clickAt(app, x, y, reach) {
   const aim = app.picking.on ? aimAt(app, x, y) : null;
   if (aim) app.picking.click(aim, reach);
   else if (cursor) app.view.point(cursor, !app.view.pinned);
+}
+
+// The curtain goes where the pointer is on the first image.
+/** @param {App} app @param {number} x @param {number} y */
+function pull({ view, renderer: { rects: { image } } }, x, y) {
+  if (view.curtain !== null && inside(image, x, y)) view.choose({ curtain: (x - image.left) / image.width });
 }
 
 /** @param {App} app @param {WheelEvent} event */
@@ -322,6 +330,7 @@ const KEYS = {
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
   e: (app) => app.selection.keepBeside(),
+  w: ({ view }) => view.choose({ curtain: view.curtain === null ? 0.5 : null }),
   x: (app) => app.selection.blink(),
   k: (app) => app.selection.rig(),
   a: (app) => app.alarms.silence(),

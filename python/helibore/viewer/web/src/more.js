@@ -1,5 +1,6 @@
 // The parts of the page that late.js loads.
 
 export { columnRows, drawColumns, drawPipes } from './columns.js';
+export { drawCurtain } from './curtain.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';

@@ -19,7 +19,7 @@ import { drawNotes } from './notes.js';
 import { applyTheme, Histogram, links, listZones, paperScale, readout, reflect, writeBrief } from './panel.js';
 import { drawPolar, turnAt, turnText } from './polar.js';
 import { writeRig } from './rig.js';
-import { NARROW, PHONE } from './selection.js';
+import { NARROW, otherPass, PHONE } from './selection.js';
 import { hung, stringRows } from './string.js';
 import { edges, sharp } from './strokes.js';
 import { coverage } from './tiles.js';
@@ -146,7 +146,8 @@ export class Renderer {
     /** @type {Look[]} */
     const beside = selection.besides.map((one, i) => ({ ...made, asked: one, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { ...rects.caliper, width: 0 } } }));
     const images = [made, ...beside.filter(({ imageRect }) => imageRect)].map((one) => (one.asked.inView ? { ...one, quantity: { ...one.asked, ...fitRange(one.asked, valuesInView(one, one.asked)) } } : one));
-    return { ...images[0], images };
+    const curtain = view.curtain === null ? null : { ...(images[1] ?? { ...made, view: Object.create(view, { pass: { value: otherPass(view) } }) }), imageRect: rects.image, from: view.curtain };
+    return { ...images[0], images, curtain };
   }
 
   draw() {
@@ -221,6 +222,7 @@ export class Renderer {
     more?.drawColumns(ink, look);
     drawOutside(ink, look);
     drawTops(ink, look);
+    if (look.curtain && gpu) late(app)?.drawCurtain(ink, look, look.curtain);
     this.map.draw(ink, look, picking.kept);
     const planes = picking.planes();
     drawDips(ink, look, planes, gpu);

@@ -9,6 +9,8 @@ import { RECENT, writeRig } from './rig.js';
 import { scaleLength } from './tracks.js';
 import { jump, turnTowards } from './zones.js';
 
+/** @param {View} view @returns {Pass} */
+export const otherPass = ({ pass }) => (pass === 'first' ? 'latest' : 'first');
 export const NARROW = window.matchMedia('(max-width: 999px)');
 export const PHONE = window.matchMedia('(max-width: 599px)');
 const BLINK = 700; // milliseconds that each image is seen
@@ -62,10 +64,17 @@ export class Selection {
     return view.showImages(next?.id ?? quantity.id, [quantity.id, ...view.beside]);
   }
 
-  // Let the first image and the one beside it change places again and again, so that the eye sees what differs; or end it.
+  // Show the first image and those beside it in turn, so that the eye sees what differs; without any, the first and the latest
+  // pass, also in 3-D. Called again, it ends.
   blink() {
     if (this.blinking) this.blinking = clearInterval(this.blinking) ?? undefined;
-    else this.blinking = setInterval(() => this.besides[0] ? this.setQuantity(this.besides[0].id) : this.blink(), BLINK);
+    else this.blinking = setInterval(() => this.next(), BLINK);
+  }
+
+  next() {
+    const { view, quantity, besides: [next, ...others] } = this;
+    if (next) view.showImages(next.id, [...others.map(({ id }) => id), quantity.id]);
+    else view.choose({ pass: otherPass(view) });
   }
 
   get quantity() {

@@ -79,7 +79,8 @@ interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
   imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; intervals: NamedInterval[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
 }
-interface Looks extends Look { images: Look[] } // the first image, and those beside it
+interface Curtain extends Look { from: number } // the image over the first one, from a share of its width on
+interface Looks extends Look { images: Look[]; curtain: Curtain | null } // the first image, and those beside it
 
 // Picks.
 interface WallPoint { depth: number; toolface: number; radius: number; measured?: boolean; seen?: boolean; image?: string }

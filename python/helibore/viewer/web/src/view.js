@@ -30,11 +30,12 @@ class Settings {
   turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
   turned = false; // whether the user turned the hole by hand
   tab = 'log'; // the open tab of a narrow screen
+  curtain = /** @type {number | null} */ (null); // share of the first image, from which on another one lies over it
   string = /** @type {number | null} */ (null); // depth to which the string was dragged; null: it hangs with the bit
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
-const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string']);
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string', 'curtain']);
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
@@ -264,6 +265,7 @@ export class View extends Settings {
       shape: number('shape', 0, 100),
       turn: number('turn', 0, 360),
       string: number('string', -1e5, 1e6),
+      curtain: number('curtain', 0, 1),
       median: [1, 3, 5].includes(number('median', 1, 5) ?? 0) ? number('median', 1, 5) : null,
       cut: among('cut', /** @type {Cut[]} */ (Object.keys(CUTS))),
       units: among('units', /** @type {Units[]} */ (Object.keys(LENGTHS))),
