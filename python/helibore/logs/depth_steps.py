@@ -57,7 +57,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
         "diameter_sigma": _sigma(
             gather(columns["diameter_sigma"] ** 2, "mean"),
             gather(columns["sampled"], "least"),
-            np.diff(starts, append=inside) * abs(pitch) / ALIKE_ALONG,
+            np.diff(starts, append=inside) * abs(pitch) / (ALIKE_ALONG * gather(columns["alike"], "mean")),
             2 * np.hypot(columns["caliper_accuracy"], gather(columns["echo_sigma"], "mean")),
         ),
         "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),

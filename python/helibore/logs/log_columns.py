@@ -73,7 +73,7 @@ COLUMNS = tuple(
     )
 )
 
-INNER = ("sampled", "echo_sigma")
+INNER = ("sampled", "alike", "echo_sigma")
 """Logs that files do not have; a step has their means."""
 LOBES = tuple(f"lobe{number}_{name}" for number in (1, 2) for name in ("toolface", "width", "height", "pipe"))
 """Logs of lobes, of which files have one, ``lobe1_height``; a step has those of the turn with the highest lobe."""

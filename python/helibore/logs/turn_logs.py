@@ -34,7 +34,7 @@ from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular
 from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
-from helibore.logs.depth_steps import by_step
+from helibore.logs.depth_steps import ALIKE_ALONG, by_step
 from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
 from helibore.logs.log_columns import COLUMNS, WORN
@@ -172,10 +172,13 @@ class Logs(Tabular):
         not hold the distances.
     diameter_sigma
         Standard uncertainty of `equivalent_diameter`, from that of the radii. Errors of a wall are alike over 30
-        degrees and 0.22 m and independent beyond, so they mostly cancel in a mean; between samples that are farther
-        apart they are alike as well, and along the hole they do not cancel where less than 0.9 of a turn is measured.
-        The errors of ``caliper_accuracy`` and ``echo_sigma`` never cancel. NaN without ``sigma=True``, and where more
-        than a tenth of the vertices of a turn is not sampled.
+        degrees and 0.22 m, or the part of both that holds as many samples as a vertex has neighbours, and independent
+        beyond, so they mostly cancel in a mean; between samples that are farther apart they are alike as well, and
+        along the hole they do not cancel where less than 0.9 of a turn is measured. The errors of ``caliper_accuracy``
+        and ``echo_sigma`` never cancel. NaN without ``sigma=True``, and where more than a tenth of the vertices of a
+        turn is not sampled.
+    alike
+        Share of 30 degrees and 0.22 m over which the errors of the wall are alike.
     echo_sigma
         Standard uncertainty that the radii of a turn share by that of the velocity in the mud (`Echo`), metres; 0 for
         tools without travel times, and where none is stated.
@@ -239,6 +242,7 @@ class Logs(Tabular):
     sampled: Floats
     nearest: Floats
     diameter_sigma: Floats
+    alike: Floats
     echo_sigma: Floats
     age: Floats
     worn: LateColumns = field(repr=False)
@@ -674,6 +678,7 @@ def turn_logs(
         found |= _from_arms(wall, depth, found)
     counts = _counts(wall)
     worn = LateColumns(WORN, lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
+    alike = _alike(wall, depth)
     of_echo = _echo_sigma(wall, depth, np.sqrt(square))
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
@@ -686,7 +691,8 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
-        diameter_sigma=_diameter_sigma(wall, sigma, turns, np.hypot(caliper_accuracy, of_echo)),
+        diameter_sigma=_diameter_sigma(wall, sigma, alike, np.hypot(caliper_accuracy, of_echo)),
+        alike=alike,
         echo_sigma=of_echo,
         caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
@@ -773,19 +779,37 @@ def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, A
     return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(diameters)}
 
 
-def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, accuracy: Floats) -> Floats:
+def _alike(wall: WallLike, depth: Floats) -> Floats:
+    """Return the share of `ALIKE_AROUND` and `ALIKE_ALONG` over which the errors of each turn are alike.
+
+    Vertices that share their neighbours share their errors: dense samples make that part smaller.
+    """
+    columns = _columns_of_samples(wall)
+    if not columns:
+        return np.ones(depth.size)
+    settings = wall.settings
+    height = abs(settings.pitch)
+    before = settings.pitch * (settings.sectors - 1) / (2 * settings.sectors)  # from the first vertex to the middle
+    edges = np.array([depth - before, depth - before + settings.pitch])
+    samples = np.diff(np.searchsorted(column("depth", columns[0]), np.sort(edges, axis=0)), axis=0)[0]
+    patch = np.maximum(samples * (ALIKE_AROUND / 360 * ALIKE_ALONG / height), settings.neighbors)
+    share: Floats = np.sqrt(settings.neighbors / patch)
+    return share
+
+
+def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, share: Floats, accuracy: Floats) -> Floats:
     """Return the standard uncertainty of twice the mean radius of each turn, from that of each radius.
 
-    ``accuracy`` is what all radii of a turn share.
-
-    Between the samples of a turn that are farther apart than `ALIKE_AROUND`, the errors are alike as well.
+    ``share`` is that of `_alike`, ``accuracy`` what all radii of a turn share. Between the samples of a turn that are
+    farther apart, the errors are alike as well.
     """
+    turns = share.size
     found = np.full(turns, np.nan)
     if sigma is None:
         return found
     K = wall.settings.sectors
     gap: Floats | None = getattr(wall, "angular_gap", None)
-    alike = np.full(turns, max(ALIKE_AROUND, 360 / K))
+    alike = np.maximum(ALIKE_AROUND * share, 360 / K)
     if gap is not None:
         alike = np.maximum(alike, gap[: turns * K].reshape(turns, K).mean(axis=1))
     of_turns = column("sigma", sigma)[: turns * K].reshape(turns, K)
@@ -810,13 +834,19 @@ def sections_of(measure: Callable[[], Floats]) -> LateColumns:
     return LateColumns(("section",), lambda: {"section": measure()})
 
 
+def _columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:
+    """Return depth, toolface and radius of the samples in the order of depth; () for a wall without them."""
+    columns: tuple[Floats, ...] = getattr(wall, "sample_columns", ())
+    if not columns and hasattr(wall, "samples"):
+        columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
+    return columns
+
+
 def _sections(wall: WallLike, turns: int) -> LateColumns:
     """Return `Logs.sections`; the columns of ``wall`` are taken now, so that a later append does not change them."""
     helix, K = whole_helix(wall), wall.settings.sectors
-    columns = getattr(wall, "sample_columns", None) or None
-    if columns is None and hasattr(wall, "samples"):
-        columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
-    if columns is None:
+    columns = _columns_of_samples(wall)
+    if not columns:
         radius = column("radius", wall.radius)[: turns * K]
         measure = partial(_core.vertex_sections, helix, radius)
     else:

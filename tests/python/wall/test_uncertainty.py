@@ -175,7 +175,14 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path, gol
     logs, plain = wall.logs(sigma=True), wall.logs()
     turns = wall.sigma[: len(logs) * 64].reshape(-1, 64)
     gap = wall.angular_gap[: len(logs) * 64].reshape(-1, 64).mean(axis=1)
-    expected = 2 * np.sqrt(np.nanmean(turns**2, axis=1) * np.maximum(gap, 30) / 360)
+    height, tops = wall.settings.pitch, wall.depth[::64][: len(logs)]
+    inside = np.array(
+        [np.count_nonzero((wall.samples.depth >= top) & (wall.samples.depth < top + height)) for top in tops]
+    )
+    near = inside * 30 / 360 * 0.22 / height  # samples in 30 degrees and 0.22 m; a vertex has 8 neighbours
+    alike = np.sqrt(8 / np.maximum(near, 8))
+    assert 0.4 < alike.min() < alike.max() <= 1
+    expected = 2 * np.sqrt(np.nanmean(turns**2, axis=1) * np.maximum(gap, 30 * alike) / 360)
     expected[np.isnan(turns).mean(axis=1) > 0.1] = np.nan
     np.testing.assert_allclose(logs.diameter_sigma, expected, rtol=1e-12)
     true = truth(wall.depth, wall.toolface)[: len(logs) * 64].reshape(-1, 64)
@@ -191,7 +198,7 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path, gol
     row = int(np.flatnonzero(np.isfinite(steps.diameter_sigma))[0])
     inside = abs(logs.depth - steps.depth[row]) < 0.5
     of_turns = logs.diameter_sigma[inside]
-    errors = 1 / 0.22 if (logs.sampled[inside] >= 0.9).all() else 1
+    errors = 1 / (0.22 * alike[inside].mean()) if (logs.sampled[inside] >= 0.9).all() else 1
     assert steps.diameter_sigma[row] == pytest.approx(np.sqrt(np.mean(of_turns**2) / errors))
     sure = wall.logs(sigma=True, caliper_accuracy=1e-3)
     np.testing.assert_allclose(sure.diameter_sigma, np.hypot(logs.diameter_sigma, 2e-3))
