@@ -8,6 +8,12 @@ export function options(id, pairs) {
   byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
 }
 
+// Write a text. One that stands there already is not written: the browser would lay the page out anew.
+/** @param {string} id @param {string} text */
+export function say(id, text) {
+  if (byId(id).textContent !== text) byId(id).textContent = text;
+}
+
 // Write pairs of name and text to a list; a third text is the tooltip of both.
 /** @param {string} id @param {string[][]} pairs */
 export function write(id, pairs) {

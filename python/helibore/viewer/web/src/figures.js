@@ -1,6 +1,6 @@
 // The figures of the section in view, or in rig mode of the last metres, as the server measures them.
 
-import { byId, write } from './dom.js';
+import { say, write } from './dom.js';
 import { sectionText } from './panel.js';
 import { recent, writeRig } from './rig.js';
 import { showSpan } from './units.js';
@@ -24,7 +24,7 @@ export class Figures {
     const { summary, app } = this;
     const { store, view, zones } = app;
     const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
-    byId('sectionTitle').textContent = stop > start ? showSpan(start, stop, view.units) : '';
+    say('sectionTitle', stop > start ? showSpan(start, stop, view.units) : '');
     write('section', stop > start ? sectionText(store, summary, view.units, zones, view.bottom) : [['Section', 'no data']]);
     writeRig(app);
   }

@@ -2,7 +2,7 @@
 // as long as the feed has an alarm, silenced or not, and "lost" as long as a source is not connected.
 
 import { shortOf } from './alarms.js';
-import { byId } from './dom.js';
+import { byId, say } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
@@ -17,9 +17,9 @@ export function lamp(app) {
   const [colour, text] = lampWords(app);
   const at = byId('lamp');
   at.className = `lamp ${colour}`;
-  byId('lampSign').textContent = SIGNS[colour] ?? '';
+  say('lampSign', SIGNS[colour] ?? '');
   at.title = text;
-  if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
+  say('lampText', text);
 }
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.

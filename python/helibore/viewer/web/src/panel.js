@@ -2,7 +2,7 @@
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { sized } from './device.js';
-import { byId, options, write } from './dom.js';
+import { byId, options, say, write } from './dom.js';
 import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
@@ -58,7 +58,7 @@ export function nameCuts({ surveyed, reference, assumed }, chosen) {
 
 /** @param {View} view */
 export function applyTheme({ theme }) {
-  byId('theme').textContent = theme === 'dark' ? 'Light' : 'Dark';
+  say('theme', theme === 'dark' ? 'Light' : 'Dark');
   document.documentElement.classList.toggle('dark', theme === 'dark');
 }
 
@@ -108,10 +108,10 @@ export function reflect(view, quantity, image) {
   const length = SECTIONS.find((one) => Math.abs(one / depth.scale - view.length) < 1e-6 * view.length);
   byId('sectionLength').value = paper ? `1:${paper}` : length ? String(length / depth.scale) : '';
   if (document.activeElement !== byId('goTo')) byId('goTo').value = (view.middle * depth.scale).toFixed(1);
-  byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
+  say('beside', view.beside.includes(quantity.id) ? 'Alone' : 'Beside');
   for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
-  byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
+  say('follow', view.follow ? 'Following' : 'Follow bit');
   byId('quantity').value = quantity.id;
   byId('map').value = quantity.map;
   byId('log').checked = quantity.log;
@@ -125,8 +125,8 @@ export function reflect(view, quantity, image) {
     input.disabled = quantity.dynamic || quantity.inView;
   }
   const unit = unitOf(quantity, view.units);
-  byId('rangeUnit').textContent = unit;
-  byId('colourText').textContent = `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim();
+  say('rangeUnit', unit);
+  say('colourText', `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim());
 }
 
 // Return the values at the cursor as pairs of name and text; an unknown value is a dash. Without a cursor, return the depths in
@@ -230,7 +230,9 @@ export function listZones(zones, view, alarms, show, none) {
     byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
     byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
     list.replaceChildren(...(zones.length ? [headOf(units)] : []), ...sorted.map((zone) => rowOf(zone, view, alarms.isNew(zone), show)));
+    if (!list.onscroll) new ResizeObserver(countHidden).observe(list);
     list.onscroll = countHidden;
+    countHidden();
   }
   const current = zoneAt(sorted, view.cursor?.depth);
   sorted.forEach((zone, i) => {
@@ -240,7 +242,6 @@ export function listZones(zones, view, alarms, show, none) {
     row.ariaCurrent = zone === current ? 'true' : null;
     if (zone === current) bringIntoView(row, list);
   });
-  countHidden();
 }
 
 /** @param {Units} units */
@@ -278,7 +279,7 @@ function countHidden() {
   const { scrollTop, scrollHeight, clientHeight, lastElementChild } = byId('zones');
   const [above, below] = [scrollTop, scrollHeight - clientHeight - scrollTop].map((pixels) => Math.round(pixels / (/** @type {HTMLElement | null} */ (lastElementChild)?.offsetHeight || 1)));
   const text = below > 0 ? `${below} more below` : above > 0 ? `${above} more above` : '';
-  if (byId('zonesMore').textContent !== text) byId('zonesMore').textContent = text;
+  say('zonesMore', text);
 }
 
 // Set the links that download the section; they are hidden in an exported file, which has no server.

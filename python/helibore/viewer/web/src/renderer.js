@@ -7,7 +7,7 @@ import { fitRange, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
-import { byId, write } from './dom.js';
+import { byId, say, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
 import { bindOrbit } from './input.js';
@@ -249,6 +249,10 @@ export class Renderer {
     const wall = store.levels[0];
     const k = cursor && cursor.toolface !== null ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
     const covered = cursor !== null && cursor.toolface !== null;
+    const turned = turnAt(store, view, cursor?.depth ?? view.middle, look.arms);
+    // The browser lays the page out anew when a size is read after a text was written, so what needs sizes comes first.
+    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, look.over);
+    if (byId('histogram').clientHeight) this.histogram.draw(look);
     this.quad = covered ? store.quad(k) : null;
     selection.read = readout({ store, view, path, quad: this.quad });
     const interval = intervalAt(store.intervals, cursor?.depth ?? view.middle);
@@ -261,18 +265,15 @@ export class Renderer {
       byId('spoken').textContent = spokenText(app);
     }
     byId('follow').hidden = !look.growing;
-    byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : cursor ? 'Cursor' : 'Middle of the log';
-    const turned = turnAt(store, view, cursor?.depth ?? view.middle, look.arms);
+    say('readTitle', view.pinned ? 'Cursor (held)' : cursor ? 'Cursor' : 'Middle of the log');
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
-    byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;
-    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, look.over);
+    say('crossTitle', `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`);
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, selection.read, store.basis === 'azimuthal' ? figures : []);
     section.ask();
     section.write();
     alarms.write(view);
     listZones(app.zones, view, alarms, (zone) => selection.showZone(zone), app.noZone);
-    if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);
     links(app, toAddress(app));
     lamp(app);
@@ -284,7 +285,7 @@ export class Renderer {
     const { tab } = arrangement;
     const sameTab = document.body.dataset.tab === (tab ?? '');
     const paper = store && this.rects && !view.rig && sameTab && tab !== 'section' && tab !== 'zones' ? this.paper : undefined;
-    document.body.dataset.tab = tab ?? '';
+    if (!sameTab) document.body.dataset.tab = tab ?? ''; // writing it lays the page out anew
     const { clientWidth: width, clientHeight: height } = byId('stage');
     this.rects = layout(width, height, arrangement);
     this.gpu?.resize(width, height);

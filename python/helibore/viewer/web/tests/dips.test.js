@@ -265,7 +265,7 @@ test('the wheel moves the log, and the cursor is at the depth that is then under
   const canvas = { addEventListener: (name, listener) => (listeners[name] = listener), getBoundingClientRect: () => ({ left: 0, top: 0 }), style: {} };
   globalThis.document = { getElementById: () => canvas };
   const track = (left, width) => ({ left, top: 80, width, height: 400 });
-  const view = { top: 1000, length: 20, cut: 'top', pinned: false, cursor: null, get bottom() { return this.top + this.length; }, show(top) { this.top = top; }, point(cursor) { this.cursor = cursor; } };
+  const view = { top: 1000, length: 20, cut: 'top', pinned: false, curtain: null, cursor: null, get bottom() { return this.top + this.length; }, show(top) { this.top = top; }, point(cursor) { this.cursor = cursor; } };
   bindTracks({ view, store: {}, path: path(20, 0), renderer: { rects: { map: track(4, 50), axis: track(60, 60), image: track(130, 200), pane: track(340, 100), wall: track(340, 100) } }, picking: { on: false } });
   const wheel = () => listeners.wheel({ currentTarget: canvas, clientX: 230, clientY: 280, deltaY: 100, deltaMode: 0, preventDefault() {} });
   wheel();
