@@ -183,6 +183,17 @@ def sample_columns(
     return columns
 
 
+def distinct(values: Array) -> Array:
+    """Return the different values, in order, none of them NaN.
+
+    NumPy's own (since 2.3, by a hash table) aborts the program where a daemon thread is in it when the program ends.
+    """
+    ordered = np.sort(values, axis=None)
+    is_first = np.ones(ordered.size, np.bool_)
+    is_first[1:] = ordered[1:] != ordered[:-1]
+    return ordered[is_first]
+
+
 def runs_of(mask: Mask) -> list[tuple[int, int]]:
     """Return (first, stop) of every run of values that are true; ``stop`` is the index after the run."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Unsigned64
+from helibore.base.arrays import Floats, Integers, Unsigned64, distinct
 
 FEW = 1 << 20
 """Largest number of numbers that are sorted at once."""
@@ -59,7 +59,7 @@ def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) 
         counts += np.bincount((keys >> np.uint64(rest)).astype(np.int64) & (counts.size - 1), minlength=counts.size)
     stops = np.cumsum(counts)
     bucket, found = np.searchsorted(stops, ranks, side="right"), np.empty(ranks.size)
-    for at in np.unique(bucket).tolist():
+    for at in distinct(bucket).tolist():
         mine, own = bucket == at, int(counts[at])
         found[mine] = _of_ranks(parts, ranks[mine] - (stops[at] - own), own, rest, (begin << DIGITS) + at)
     return found

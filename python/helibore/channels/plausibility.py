@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from helibore.base import units
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, distinct
 from helibore.base.nulls import say_so
 from helibore.channels.roles import Role
 from helibore.files.raw_set import RawSet
@@ -118,7 +118,7 @@ def angles(log_set: RawSet, role: Role, values: Floats) -> None:
         beyond = np.abs(values) > 720.0
         row = int(np.argmax(beyond))
         rule = f"{values[row]:g} deg: an angle lies within -720 and 720"
-        if np.unique(values[beyond]).size == 1:
+        if distinct(values[beyond]).size == 1:
             rule += f"; if the number means no value, {say_so(f'{values[row]:.10g}')}"
         raise log_set.input_error(rule, row, role.channel)
     within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, distinct
 from helibore.logs.turn_logs import Logs
 from helibore.samples.helix import WallLike
 
@@ -56,7 +56,7 @@ def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters
     count = columns["depth"].size
     if count <= rows:
         return Diameters(**columns)
-    first = np.unique(np.arange(rows) * count // rows)
+    first = distinct(np.arange(rows) * count // rows)
     sizes = np.diff(np.append(first, count))
     found = {name: np.add.reduceat(columns[name], first) / sizes for name in ("depth", "coverage")}
     found["least"] = np.fmin.reduceat(columns["least"], first)

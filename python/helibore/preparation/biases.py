@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, Mask, finite_column, require, whole_column
+from helibore.base.arrays import Floats, Integers, Mask, distinct, finite_column, require, whole_column
 from helibore.base.errors import InputError
 
 __all__ = ["Bias", "arm_sides", "find_bias"]
@@ -210,7 +210,7 @@ def find_bias(
         place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}, sides = {sides}"
         place += f", rounds = {rounds}"
         raise InputError(place, "all must be above 0")
-    passes, arm_numbers = np.unique(number), np.unique(arms)
+    passes, arm_numbers = distinct(number), distinct(arms)
     shape = passes.size, arm_numbers.size
     group = np.searchsorted(passes, number) * shape[1] + np.searchsorted(arm_numbers, arms)
     row, of = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
@@ -243,7 +243,7 @@ def find_bias(
 
 def _indicators(of: Integers) -> Floats:
     """Return a column for each distinct number, with 1 in the rows that have this number, 0 in the other rows."""
-    columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
+    columns: Floats = (of[:, None] == distinct(of)).astype(np.float64)
     return columns
 
 
@@ -301,7 +301,7 @@ def _referred(
             held = np.bincount(arm, np.where(mine, count, 0)) / np.bincount(arm, count)
             sure = sure and held[held > 0].min() >= 0.5  # few passes do not show which arm drifts
             known |= mine & (sigma <= _KNOWN) & sure
-            beside = np.unique(arm[mine & known & seen])
+            beside = distinct(arm[mine & known & seen])
             separated[beside] |= beside.size > 1
     table, estimate, sigma = (of.reshape(shape) for of in (np.where(known, estimate, np.nan), estimate, sigma))
     weight = np.where(np.isfinite(table), samples + 1e-9, 0.0)

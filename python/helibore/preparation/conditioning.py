@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, Mask, column, runs_of, whole_column
+from helibore.base.arrays import Floats, Integers, Mask, column, distinct, runs_of, whole_column
 from helibore.base.errors import InputError
 
 _SAMPLES_AT_ONCE = 1 << 17
@@ -220,7 +220,7 @@ class _Rings:
         A sample beside a burst that is ``beyond`` its neighbours too does not support the burst.
         """
         found = np.zeros(odd.size, dtype=bool)
-        rings = np.unique(self.ring[odd])
+        rings = distinct(self.ring[odd])
         for first, count in zip(self.first[rings].tolist(), self.count[rings].tolist(), strict=True):
             ring = np.arange(first, first + count)
             if odd[ring].all():

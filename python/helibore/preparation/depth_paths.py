@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Mask
+from helibore.base.arrays import Floats, Mask, distinct
 from helibore.preparation.fields import FREEDOM, HARMONICS, Field, RowsOfPass, seen_by_all
 
 MOST = 2.2
@@ -193,7 +193,7 @@ def _moved(belief: Floats, kernel: Floats) -> Floats:
 def _kernels(gaps: Floats, wander: float) -> dict[float, Floats]:
     """Return for each distance between rows, in quarters of 5 cm, how a shift spreads over it."""
     kernels = {}
-    for gap in np.unique(gaps).tolist():
+    for gap in distinct(gaps).tolist():
         variance = np.square(wander / STEP) * gap / 4
         wide = min(int(np.ceil(4 * np.sqrt(variance))), GRID.size // 2)
         kernel = np.exp(-0.5 * np.square(np.arange(-wide, wide + 1)) / variance)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.errors import InputError
 from helibore.settings.preparation_settings import Echo, EchoCasing
 
@@ -124,11 +124,11 @@ def _parts(casing: EchoCasing, depth: Floats, turn: Integers) -> list[Integers]:
     """Return the indices of the samples in each part of a casing; all parts have enough turns if the casing has."""
     inside = np.flatnonzero((depth >= casing.top) & (depth <= casing.bottom))
     number = np.floor((depth[inside] - casing.top) / LONG)
-    parts = [inside[number == each] for each in np.unique(number)] or [inside]
+    parts = [inside[number == each] for each in distinct(number)] or [inside]
     for at in range(len(parts) - 1, 0, -1):
-        if np.unique(turn[parts[at]]).size < TURNS * FEWEST:
+        if distinct(turn[parts[at]]).size < TURNS * FEWEST:
             parts[at - 1] = np.sort(np.concatenate([parts[at - 1], parts.pop(at)]))
-    if len(parts) > 1 and np.unique(turn[parts[0]]).size < TURNS * FEWEST:
+    if len(parts) > 1 and distinct(turn[parts[0]]).size < TURNS * FEWEST:
         parts[1] = np.sort(np.concatenate([parts.pop(0), parts[0]]))
     return parts
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Number, Typed
+from helibore.base.arrays import Floats, Integers, Number, Typed, distinct
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import REASONS, Samples, TimeSeries, observe_by_depth, observe_by_time
@@ -144,7 +144,7 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
     """
     rows = np.flatnonzero(np.isfinite(time))
     number = one.pass_number
-    clocks = [] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
+    clocks = [] if number is None else [rows[number[rows] == each] for each in distinct(number[rows])]
     clocks = clocks or [rows]
     apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
     if len(apart) > len(clocks):

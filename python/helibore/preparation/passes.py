@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, finite_column, runs_of, whole_column
+from helibore.base.arrays import Floats, Integers, distinct, finite_column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.conditioning import Step
 from helibore.samples.caliper import Caliper
@@ -83,7 +83,7 @@ def choose(
     if strange.size:
         rule = f"{strange[0]} is not among the passes of the samples"
         raise InputError("passes", rule, setting="preparation.passes")
-    if np.unique(order).size != order.size:
+    if distinct(order).size != order.size:
         raise InputError("passes", "must not hold the same pass twice", setting="preparation.passes")
     rank_of = np.full(known.size, -1, dtype=np.int64)
     rank_of[np.searchsorted(known, order)] = np.arange(order.size)
@@ -138,11 +138,11 @@ def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_nam
         A sentence on the place farthest below, and a sentence on the place farthest above, if there are such places.
     """
     number = whole_column("pass_number", pass_number, len(caliper), "caliper")
-    passes = np.unique(number)
+    passes = distinct(number)
     worst = {"less": (0.0, ""), "more": (0.0, "")}
     for one in passes if passes.size > 1 else ():
         of_pass = number == one
-        for arm in (None,) if caliper.arm is None else np.unique(caliper.arm[of_pass]).tolist():
+        for arm in (None,) if caliper.arm is None else distinct(caliper.arm[of_pass]).tolist():
             mine = np.flatnonzero(of_pass if arm is None else of_pass & (caliper.arm == arm))
             off = caliper.radius[mine] - evaluate(wall, caliper.depth[mine], caliper.toolface[mine])
             mine, off = mine[np.isfinite(off)], off[np.isfinite(off)]

@@ -19,7 +19,7 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers, Mask, Number, Typed
+from helibore.base.arrays import Floats, Integers, Mask, Number, Typed, distinct
 from helibore.base.arrays import column as contiguous
 from helibore.base.errors import InputError
 from helibore.base.nulls import say_so
@@ -453,7 +453,7 @@ class _Pipeline:
             return samples.row[mine], "rows of an image"
         if not one.turning and samples.toolface.size:
             raise InputError(one.name, "no toolface shows the turns of the tool: give the height of a turn")
-        rows = np.unique(samples.row[mine])
+        rows = distinct(samples.row[mine])
         turned = np.zeros(one.rows)
         turned[rows] = turn_positions(one.toolface[rows])
         return turned[samples.row[mine]], "rotation"
@@ -520,7 +520,7 @@ class _Pipeline:
         settings, number = self.settings, self.samples.pass_number
         strange = sorted({*(settings.passes or ()), *settings.earlier} - set(number.tolist()))
         if strange:
-            there = ", ".join(map(str, np.unique(number)))
+            there = ", ".join(map(str, distinct(number)))
             raise InputError(f"{self.names}: pass {strange[0]}", f"is not among the passes of the samples: {there}")
         if settings.passes is not None:
             self._drop(choose(number, self.samples.depth, sorted({*settings.passes, *settings.earlier})))
@@ -666,7 +666,7 @@ class _Pipeline:
             toolface[each.mine], radius[each.mine] = each.toolface, each.radius
         self.samples = replace(samples, toolface=toolface, radius=radius)
         corrected = np.concatenate([each.corrected for each in columns])
-        moved = np.unique(turn[np.concatenate([each.mine for each in columns])[corrected]])
+        moved = distinct(turn[np.concatenate([each.mine for each in columns])[corrected]])
         lines = [f"{moved.size:,} of {found.turn.size:,} turns corrected"]
         known = np.isfinite(found.x)
         if known.any():
@@ -775,7 +775,7 @@ class _Pipeline:
             return
         some = np.arange(arms.size)
         if arms.size > JUDGED:
-            some = np.unique(np.random.default_rng(0).integers(0, arms.size, JUDGED))
+            some = distinct(np.random.default_rng(0).integers(0, arms.size, JUDGED))
         found = find_bias(
             samples.depth[some], samples.toolface[some], samples.radius[some], number[some], arms[some], rounds=3
         )
@@ -787,7 +787,7 @@ class _Pipeline:
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None
-        used = settings.passes or np.unique(self.samples.pass_number).tolist()
+        used = settings.passes or distinct(self.samples.pass_number).tolist()
         chosen = [number for number in used if number not in settings.earlier]
         if settings.earlier:
             everything = self.samples
@@ -915,7 +915,7 @@ def _repeated_pass(columns: Sequence[Integers]) -> tuple[int, int] | None:
     """Return the index of the first file that repeats a pass number of an earlier file, and the number; or None."""
     seen: set[int] = set()
     for file, column in enumerate(columns):
-        numbers = set(np.unique(column).tolist()) - {-1}
+        numbers = set(distinct(column).tolist()) - {-1}
         if again := numbers & seen:
             return file, min(again)
         seen |= numbers

@@ -24,7 +24,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column, numbers, runs_of
+from helibore.base.arrays import Floats, column, distinct, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -430,7 +430,7 @@ def history_of(wall: Any) -> History | None:
         return None
     vertices = np.clip((deepest - helix.start_depth) / helix.pitch * helix.sectors + 1, 1, len(wall)).astype(np.int64)
     history = History()
-    for row in np.unique(np.linspace(0, time.size - 1, min(time.size, MOST_POINTS)).astype(np.int64)).tolist():
+    for row in distinct(np.linspace(0, time.size - 1, min(time.size, MOST_POINTS)).astype(np.int64)).tolist():
         history.note(float(time[row]), int(vertices[row]), float(deepest[row]))
     return history
 

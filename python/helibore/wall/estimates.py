@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
@@ -159,7 +159,7 @@ def estimate_left_out(
 
 def _spread(count: int, most: int) -> Integers:
     """Return up to ``most`` of ``count`` rows, spread evenly."""
-    return np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
+    return distinct(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
 
 
 def _crowd(depth: Floats) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term, covariance_of
 from helibore.wall.estimates import Boxes, Columns
@@ -55,7 +55,7 @@ class Places:
     def neighbours(self, place: tuple[float, float], box: tuple[float, float] = (-1.0, -1.0)) -> Integers:
         """Return the rows of the near and far neighbours of a place (depth m, toolface deg), in order."""
         near = [self.nearest(place, term, self.count, box) for term in self.covariance.terms[:2]]
-        return np.unique(np.concatenate([*near, self._far(place, box)]))
+        return distinct(np.concatenate([*near, self._far(place, box)]))
 
     def across(self, toolface: Floats, at: float) -> Floats:
         """Return the arc lengths from toolfaces to another, metres."""

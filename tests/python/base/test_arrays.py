@@ -8,7 +8,7 @@ import types
 import numpy as np
 import pytest
 
-from helibore.base.arrays import data_and_mask, whole_column
+from helibore.base.arrays import data_and_mask, distinct, whole_column
 
 
 def test_whole_numbers_keep_their_value():
@@ -40,3 +40,19 @@ def test_masked_arrays_may_be_half_loaded_by_another_thread(monkeypatch):
     assert (values.tolist(), absent.tolist()) == ([1.0, 2.0], [False, True])
     monkeypatch.setitem(sys.modules, "numpy.ma", types.ModuleType("numpy.ma"))
     assert data_and_mask([1.0]) == ([1.0], None)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [],
+        [3],
+        [2, 1, 2],
+        [[1e300, -1e300], [-1e300, 0.0]],
+        np.array([255, 0, 255], np.uint8),
+        [True, False],
+        [-(2**63)],
+    ],
+)
+def test_distinct_values_come_once_and_in_order(values):
+    assert distinct(values).tolist() == sorted({*np.ravel(values).tolist()})

@@ -78,6 +78,11 @@ def test_one_file_takes_arrays(call: str) -> None:
     assert not list(lines_with(rf"\bnp\.{call}\(", own))
 
 
+def test_no_hash_table_of_numpy_ends_a_program() -> None:
+    """`distinct` of base/arrays.py says why; with an index, a count or an axis, np.unique sorts."""
+    assert not list(lines_with(r"\bnp\.unique\((?!.*(return_|axis=))", PYTHON))
+
+
 def test_one_file_names_the_types_of_arrays() -> None:
     """The one set of names is that of base/arrays.py: ``Floats``, ``Integers``, ``Mask`` and so on."""
     stub = ROOT / "python/helibore/_core.pyi"

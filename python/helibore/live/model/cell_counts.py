@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Mask, Unsigned16
+from helibore.base.arrays import Floats, Integers, Mask, Unsigned16, distinct
 
 PARTS_AROUND, PARTS_ALONG = 2, 4
 CHUNK = 4096
@@ -58,7 +58,7 @@ class CellCounts:
         parts, first, number = np.unique(part[order], return_index=True, return_counts=True)
         before = np.empty(len(parts), np.int64)
         chunks = parts // CHUNK
-        for chunk in np.unique(chunks).tolist():
+        for chunk in distinct(chunks).tolist():
             counts = self._counts.setdefault(chunk, np.zeros(CHUNK, np.uint16))
             of = chunks == chunk
             at = parts[of] % CHUNK

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Bytes, Floats, Integers, Mask, Rows
+from helibore.base.arrays import Bytes, Floats, Integers, Mask, Rows, distinct
 from helibore.live.model.depth_jumps import Steps
 from helibore.live.model.events import Event, EventBook, Flag
 from helibore.live.model.sample_rows import ROW, frame_rows, measured
@@ -126,7 +126,7 @@ class SourceReader:
         caliper = source.caliper
         triple = (caliper.depth, caliper.toolface, caliper.radius) if caliper else ()
         self._caliper = [self._places(items) for items in triple]
-        self._measured = np.unique(self._places(source.measured)[0])
+        self._measured = distinct(self._places(source.measured)[0])
         depths = [*(caliper.depth if caliper else []), *source.station[:1]]
         depths += [image.depth for image in source.images if image.depth]
         numbers = [self._column[source.name_of(code)] for code in self.watches]
@@ -381,7 +381,7 @@ class SourceReader:
             came = self._walls[at] if at < len(self._walls) else wall
             return self._event(came, name, text, int(event["line"]), int(event["offset"]))
 
-        for rule in np.unique(rules).tolist():
+        for rule in distinct(rules).tolist():
             self._events.report_rows(np.flatnonzero(rules == rule), describe)
 
     def _event(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> Event:

@@ -22,7 +22,7 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers, Integers32, Mask, Rows
+from helibore.base.arrays import Floats, Integers, Integers32, Mask, Rows, distinct
 from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND, utc
 from helibore.live.journal import journal
@@ -585,7 +585,7 @@ class Model:
             self._draw(rows, depth, kind, flags, update)
             return
         self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
-        for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
+        for index in distinct(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
     def _append(self, name: str, rows: Rows, columns: tuple[Floats, ...], update: Update) -> Mask:
@@ -602,7 +602,7 @@ class Model:
             update.changes[name] = joined(update.changes.get(name), change)
             return np.ones(len(rows), bool)
         records = rows["received"] >> 20
-        numbers = np.unique(records)
+        numbers = distinct(records)
         if len(numbers) == 1:
             text = f"layer {name}: set aside {len(rows)} samples: {str(failure) or type(failure).__name__}"
             self.passes.report(rows, np.arange(1), "aside", lambda _: text)
@@ -655,7 +655,7 @@ class Model:
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)
         self._report_outside(rows, depth, outside)
-        before_start = np.unique(np.concatenate([np.empty(0, np.int64), *(of for _, of in outside)]))
+        before_start = distinct(np.concatenate([np.empty(0, np.int64), *(of for _, of in outside)]))
         before_start = before_start[~drawn[before_start]]
         self._count(rows["source"][before_start], OUTSIDE)
         self._count(np.delete(rows["source"], before_start), USABLE)
@@ -666,7 +666,7 @@ class Model:
 
     def _compare(self, rows: Rows, depth: Floats) -> None:
         """Let the watch compare the samples of each source, in order of arrival, with its wall."""
-        for number in np.unique(rows["source"]).tolist():
+        for number in distinct(rows["source"]).tolist():
             if number in self.readers:
                 of = rows["source"] == number
                 columns = (rows["wall"][of], rows["time"][of], depth[of], rows["toolface"][of], rows["radius"][of])

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Rows
+from helibore.base.arrays import Floats, Integers, Rows, distinct
 from helibore.live.model.events import Event, EventBook
 from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
 
@@ -101,7 +101,7 @@ class PassLog:
             decided[rows] = means
             if means == UNKNOWN:
                 found.append((rows, f"pass number {said}: is not listed in pass_numbers; the pass is unknown"))
-            for own in np.unique(kind[rows]).tolist():
+            for own in distinct(kind[rows]).tolist():
                 if UNKNOWN not in (own, means) and own != means:
                     differ = rows[kind[rows] == own]
                     text = f"pass number {said} means {PASSES[means]}, but the string's motion means {PASSES[own]}"
@@ -120,7 +120,7 @@ class PassLog:
         def describe(place: int) -> Event:
             return self._event(samples[rows[place]], rule, text(place))
 
-        for who in np.unique(source).tolist():
+        for who in distinct(source).tolist():
             self._events.report_rows(order[source == who], describe)
 
     def _event(self, sample: np.void, rule: str, text: str) -> Event:
@@ -133,7 +133,7 @@ class PassLog:
 
     def add(self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: Floats) -> None:
         """Add samples to the runs of their sources; ``kind`` is the pass that `decide` returned."""
-        for who in np.unique(source).tolist():
+        for who in distinct(source).tolist():
             of = np.flatnonzero(source == who)
             changes = np.flatnonzero((np.diff(kind[of]) != 0) | (np.diff(number[of]) != 0)) + 1
             for rows in np.split(of, changes):

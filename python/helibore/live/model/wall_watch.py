@@ -18,7 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Rows
+from helibore.base.arrays import Floats, Integers, Rows, distinct
 from helibore.base.utc_time import SECOND
 
 Passed = tuple[int, list[tuple[int, float]]]
@@ -166,7 +166,7 @@ class WallMemory:
 
     def _remember(self, row: int, step: int, sectors: Integers, radius: Floats) -> None:
         cells = self._cells(row)
-        new = np.unique(sectors)
+        new = distinct(sectors)
         new = new[cells["at"][new, 0] != step]
         cells["value"][new, 1] = cells["value"][new, 0]
         cells["value"][new, 0] = cells["sum"][new] / np.maximum(cells["count"][new], 1)

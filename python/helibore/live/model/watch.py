@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from helibore.base import units
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.utc_time import SECOND
 from helibore.live.model.wall_watch import OF_WALL, WallMemory
 from helibore.live.rules.pass_rules import PassRules
@@ -407,7 +407,7 @@ class Watch:
         assert frame.radius is not None
         assert frame.sensor is not None
         many = settings.sensors >= 2
-        for sensor in np.unique(frame.sensor).tolist() if many else [0]:
+        for sensor in distinct(frame.sensor).tolist() if many else [0]:
             channel = watch.channels.setdefault(sensor, WatchedChannel())
             equal = channel.take(frame.radius[frame.sensor == sensor] if many else frame.radius)
             key = "stays", frame.source
