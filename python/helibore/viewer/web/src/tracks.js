@@ -74,10 +74,12 @@ export function drawImageHead(ink, look) {
   if (!view.rig) {
     const mode = quantity.dynamic ? (width < 240 ? 'dynamic' : 'dynamic, 1 m') : quantity.inView ? (width < 240 ? 'in view' : 'range in view') : 'static';
     ink.font = SMALL;
+    const usual = mode === 'static';
     const room = width - ink.measureText(mode).width - 10;
-    label(ink, mode, left + width - 2, 11, { colour: mode === 'static' ? palette.soft : palette.cursor, align: 'right', font: SMALL });
     ink.font = BOLD;
-    label(ink, fitting(ink, [quantity.name + (units ? ` [${units}]` : ''), quantity.name], room), left + 2, 11, { colour: palette.ink, font: BOLD });
+    const whole = usual && ink.measureText(quantity.name).width > room; // a long name takes the place of what is usual
+    label(ink, fitting(ink, [quantity.name + (units ? ` [${units}]` : ''), quantity.name], whole ? width - 4 : room), left + 2, 11, { colour: palette.ink, font: BOLD });
+    if (!whole) label(ink, mode, left + width - 2, 11, { colour: usual ? palette.soft : palette.cursor, align: 'right', font: SMALL });
   }
   bar(ink, look, left + POINT, width - 2 * POINT, palette);
   legend(ink, look, left, palette);
@@ -126,6 +128,7 @@ function letters(ink, { view, path, rects }, known, palette) {
   names.forEach((name, i) => {
     const x = left + (i / 4) * width;
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
+    if (!known && i % 2 && width < 125) return; // no room for 90° and 270°
     label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: known ? BOLD : SMALL });
   });
   if (known || view.rig) return;
