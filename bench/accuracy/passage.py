@@ -12,6 +12,8 @@ kind of hole, tool and length:
     bias     mean of the wall's drift less the true one, mm
     width    mean width of the interval, mm
 
+The last rows are those of all classes, each class counted alike.
+
 "times": processor seconds for 1,000 m of hole at a pitch of 0.1 m, on one thread.
 """
 
@@ -80,6 +82,7 @@ def hole(kind: str, rng: np.random.Generator) -> Shape:
 
 
 def coverage(seeds: range) -> None:
+    every: dict[float, list[float]] = {length: [] for length in DRIFTS}
     for kind in KINDS:
         for tool, (per_turn, noise, estimator) in TOOLS.items():
             found: dict[float, list[Floats]] = {length: [] for length in DRIFTS}
@@ -100,9 +103,14 @@ def coverage(seeds: range) -> None:
             for length, parts in found.items():
                 truth, own, low, high = np.concatenate(parts, axis=1)
                 covered = 100 * np.mean((truth >= low) & (truth <= high))
+                every[length] += [covered] if truth.size else []
                 bias, width = 1e3 * np.mean(own - truth), 1e3 * np.mean(high - low)
                 text = f"covered {covered:5.1f} %, bias {bias:+.2f} mm, width {width:.2f} mm, {truth.size} turns"
                 print(f"{kind:7s} {tool:29s} {length:4.1f} m: {text}", flush=True)
+    for length, shares in every.items():
+        print(
+            f"all {length:4.1f} m: covered {np.mean(shares):5.1f} %, by class {min(shares):.1f} to {max(shares):.1f} %"
+        )
 
 
 def times() -> None:
