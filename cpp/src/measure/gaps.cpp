@@ -209,20 +209,25 @@ double gap_between(double ahead, double behind) {
 // The nearest samples of a vertex, the nearest first.
 struct Nearest {
     static constexpr std::size_t most = 4;
-    std::array<double, most> square{}, difference{};  // of the distance; radius of the sample less that of the vertex
+    static constexpr double none = std::numeric_limits<double>::infinity();
+    std::array<double, most> square{none, none, none, none};  // of the distance
+    std::array<double, most> difference{};                    // radius of the sample less that of the vertex
     std::size_t count = 0;
 
+    // Without branches, which a processor could not foresee: which sample moves to place `at` is a choice of values.
     void add(double distance, double off) {
-        std::size_t at = count < most ? count++ : most - 1;
-        for (; at > 0 && square[at - 1] > distance; --at) {
-            square[at] = square[at - 1];
-            difference[at] = difference[at - 1];
+        for (std::size_t at = most - 1; at > 0; --at) {
+            const bool is_before = distance < square[at - 1], is_here = distance < square[at];
+            difference[at] = is_before ? difference[at - 1] : is_here ? off : difference[at];
+            square[at] = is_before ? square[at - 1] : is_here ? distance : square[at];
         }
-        square[at] = distance;
-        difference[at] = off;
+        const bool is_first = distance < square[0];
+        difference[0] = is_first ? off : difference[0];
+        square[0] = is_first ? distance : square[0];
+        count += count < most ? 1 : 0;
     }
     // A sample at this distance or farther is not among the nearest.
-    double limit() const { return count < most ? std::numeric_limits<double>::infinity() : square[most - 1]; }
+    double limit() const { return square[most - 1]; }
     // The change of the wall between vertex and samples, squared; 0 without a sample.
     double change() const {
         constexpr double least = 0.02;  // a sample nearer than this share has no more weight
@@ -249,6 +254,17 @@ void mark_changing(const Sectors& in, std::span<const double> radius, const Meas
     const auto sectors = static_cast<Index>(in.starts.size()) - 1;
     const double most = rule.largest_change * rule.largest_change, a_metre = 1.0 / rule.near_depth,
                  a_degree = 1.0 / rule.near_toolface, own = border(line.number, sectors);
+    struct Beside {
+        std::size_t sector;
+        double square;  // of the distance to its nearer border
+    };
+    std::vector<Beside> beside;
+    for (Index step = 0; step < sectors; ++step) {  // 0: clockwise, 1: counter-clockwise, 2: clockwise, ...
+        const double around = border(step / 2, sectors) * a_degree;
+        if (around > farthest) break;
+        const Index s = (line.number + (step % 2 == 0 ? step / 2 : sectors - 1 - step / 2)) % sectors;
+        beside.push_back({static_cast<std::size_t>(s), around * around});
+    }
     std::vector<std::size_t> next(in.starts.begin(), in.starts.end() - 1);  // of each sector, the sample below the row
     for (std::size_t row = 0; row < line.depth.size(); ++row) {
         const std::size_t number = vertex(row);
@@ -264,11 +280,8 @@ void mark_changing(const Sectors& in, std::span<const double> radius, const Meas
                 nearest.add(square + around * around, in.radius[i] - radius[number]);
             return true;
         };
-        for (Index step = 0; step < sectors; ++step) {  // 0: clockwise, 1: counter-clockwise, 2: clockwise, ...
-            const double around = border(step / 2, sectors) * a_degree;
-            if (around > farthest || around * around >= nearest.limit()) break;
-            const auto s =
-                static_cast<std::size_t>((line.number + (step % 2 == 0 ? step / 2 : sectors - 1 - step / 2)) % sectors);
+        for (const auto& [s, around] : beside) {
+            if (around >= nearest.limit()) break;
             while (next[s] < in.starts[s + 1] && in.depth[next[s]] < line.depth[row]) ++next[s];
             for (std::size_t i = next[s]; i < in.starts[s + 1] && look(i);) ++i;
             for (std::size_t i = next[s]; i > in.starts[s] && look(i - 1);) --i;
