@@ -37,6 +37,9 @@ def load_core(path: Path) -> None:
     spec.loader.exec_module(core)
 
 
+Step = Callable[[Any, random.Random], object]
+
+
 class Program:
     """What the threads of a program share: walls, arrays, and the errors that must not be."""
 
@@ -78,9 +81,9 @@ class Program:
         finally:
             self.depth.inside = inside
 
-    def steps(self) -> list[Callable[[Any, random.Random], object]]:
+    def steps(self) -> list[Step]:
         """Return what a thread may do."""
-        steps = [self.append, self.append, self.append_again, self.read, self.measure, self.interpolate]
+        steps: list[Step] = [self.append, self.append, self.append_again, self.read, self.measure, self.interpolate]
         steps += [self.copy, self.surface, self.rebuild, self.finalizer, self.set_images]
         return [*steps, self.write, self.write] if self.writes else steps
 
@@ -142,7 +145,7 @@ class Program:
 
     def rebuild(self, _: Any, chance: random.Random) -> None:
         """Rebuild a wall from the arrays, by an estimator that is found or stated."""
-        (estimator,) = chance.choices(["inverse-distance", "kriging", "automatic"], [6, 6, 1])
+        estimator: Any = chance.choices(["inverse-distance", "kriging", "automatic"], [6, 6, 1])[0]
         rows = [of[: 200 if estimator == "automatic" else 4_000] for of in self.rows(chance)]
         self.hb.reconstruct(self.hb.Caliper(*rows), bit_diameter=0.216, estimator=estimator, stop_depth=102.0)
 
@@ -210,9 +213,15 @@ def run(seed: int, writes: bool, forks: bool, seconds: int, folder: Path) -> Non
 
     with_signals = chance.random() < 0.4
     if with_signals:  # Python runs the handler between any two of its own instructions in the main thread
-        signals = random.Random(seed + 1)
-        signal.signal(signal.SIGALRM, lambda *_: program.step(signals))
-        signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+        signals, left = random.Random(seed + 1), iter(range(20))
+
+        def handler(*_: object) -> None:
+            program.step(signals)
+            if next(left, None) is not None:
+                signal.setitimer(signal.ITIMER_REAL, 0.02)
+
+        signal.signal(signal.SIGALRM, handler)
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
     threads = [
         threading.Thread(
             target=work, args=(number, chance.randrange(2, 9), forks and chance.random() < 0.3), daemon=True
