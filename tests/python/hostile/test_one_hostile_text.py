@@ -78,7 +78,7 @@ def test_no_escape_survives_in_the_texts_of_the_page() -> None:
         assert not any(HIDDEN.search(text) for text in texts_of(message))
     files = {"index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'}
     files["index.html"] += '<script type="module" src="app.js"></script>'
-    exported = "".join(html_export(scene, files | {"app.css": "", "app.js": ""}, 1000.0, 1003.0))
+    exported = "".join(html_export(scene, files | {"app.css": "", "app.js": "", "more.js": ""}, 1000.0, 1003.0))
     assert not HIDDEN.search(exported)
     assert exported.count("</script>") == 2
 

@@ -32,6 +32,7 @@ FILES = {
     '<script type="module" src="app.js"></script>',
     "app.css": "",
     "app.js": "",
+    "more.js": "",
 }
 
 
