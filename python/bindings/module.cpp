@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "gil.hpp"
 #include "helibore/error.hpp"
 #include "helibore/runner.hpp"
 #include "register.hpp"
@@ -17,7 +18,10 @@ PYBIND11_MODULE(main_interpreter, m) {
             if (p) std::rethrow_exception(p);
         } catch (const helibore::InputError& e) {
             const py::object type = py::module_::import("helibore.base.errors").attr("InputError");
-            PyErr_SetObject(type.ptr(), type(e.place, e.rule, e.value).ptr());
+            const py::tuple arguments = py::make_tuple(e.place, e.rule, e.value);
+            const auto made = py::reinterpret_steal<py::object>(helibore::bindings::with_gil_requested(
+                [&] { return PyObject_Call(type.ptr(), arguments.ptr(), nullptr); }));
+            if (made) PyErr_SetObject(type.ptr(), made.ptr());
         } catch (const helibore::InternalError& e) {
             py::set_error(PyExc_RuntimeError, e.what());
         }

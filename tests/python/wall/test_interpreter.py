@@ -38,6 +38,20 @@ for _ in range(3):
     assert os.waitpid(child, 0)[1] == 0
 os._exit(0)
 """
+REFUSED = """
+sys.setswitchinterval(1e-6)
+wall = hb.Wall(bit_diameter=0.216)
+def refused():
+    while True:
+        begun.set()
+        try:
+            wall.vertices(0, 1)
+        except hb.InputError:
+            pass
+for _ in range(4): threading.Thread(target=refused, daemon=True).start()
+begun.wait()
+time.sleep(0.05)
+"""
 FEEDS = """
 wall = hb.Wall(bit_diameter=0.216, start_depth=100.0)
 def feed():
@@ -123,7 +137,7 @@ def run(script: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True, timeout=120)
 
 
-@pytest.mark.parametrize("script", [ENDS, FEEDS, WRITES], ids=["rebuilds", "feeds", "writes"])
+@pytest.mark.parametrize("script", [ENDS, REFUSED, FEEDS, WRITES], ids=["rebuilds", "refused", "feeds", "writes"])
 def test_a_program_ends_while_a_thread_is_in_a_call(script: str) -> None:
     done = run(HOLE + script)
     assert (done.returncode, done.stderr) == (0, "")
