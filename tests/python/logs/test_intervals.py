@@ -18,6 +18,7 @@ from helibore.plot.content import Drawing, content_of
 from helibore.plot.html_report import _intervals
 from helibore.plot.log import draw_tracks
 from helibore.plot.paper import Sheet
+from helibore.settings.template import Template, TemplateTrack
 from helibore.viewer.feed import Feed
 from helibore.viewer.protocol import handshake
 
@@ -136,6 +137,18 @@ def test_casings_and_mud_logs_are_tracks_of_their_own(tmp_path: Path) -> None:
     assert "340.0" in table
     assert "f to m gr &lt;b&gt;" in table
     assert "1 of 2 outside" in table
+
+
+def test_a_template_places_a_track_of_intervals() -> None:
+    wall = copy.deepcopy(made())
+    wall.intervals = PLACED
+    named = TemplateTrack("intervals", "Lithology", (), 192), TemplateTrack("image", "Radius")
+    template = Template(track=(TemplateTrack("caliper"), *named, TemplateTrack("intervals", "Shows")))
+    found = content_of(wall, Drawing(template=template, polar=(), body=())).tracks
+    assert [getattr(track, "name", None) or type(track).__name__ for track in found] == [
+        "DepthTrack", "Casing", "CaliperTrack", "Lithology", "ImageTrack",
+    ]  # fmt: skip
+    assert found[3].width == pytest.approx(50.8)
 
 
 def test_intervals_in_a_wrong_unit_get_a_sentence_and_the_rest_is_drawn() -> None:

@@ -41,6 +41,17 @@ test('a template is what the page shows, and gives it back', () => {
   });
 });
 
+test('a track of intervals that a template names stands where the template has it, unless the wall lacks it', () => {
+  const view = { units: 'mm' };
+  const rects = { map: {}, axis: {}, image: { width: 100 }, column1: { width: 130 }, pane: {}, wall: {} };
+  const text = toTemplate({ view, store: { columns: ['Casing', 'Lithology'] }, renderer: { rects, paper: null }, selection: { quantity: { id: 'over' }, besides: [] }, curves: { shown: [] } });
+  assert.match(text, /kind = "intervals"\nname = "Lithology"\nwidth = 130/);
+  const tracks = ['Shows', 'Lithology'].map((name) => ({ kind: 'intervals', name, names: [], width: 130 }));
+  assert.deepEqual(fromTemplate({ unit: 'mm', track: tracks }, [], ['Casing', 'Lithology']), {
+    units: 'mm', beside: [], curves: ['Lithology'], order: ['column1'], widths: { column1: 130 },
+  });
+});
+
 test('feet are round numbers of feet at depths in metres', () => {
   const found = ticks(304.8, 335.28, 500, 60, 1 / 0.3048);
   assert.deepEqual(found.values.map((depth) => Math.round(depth / 0.3048)), [1000, 1020, 1040, 1060, 1080, 1100]);
