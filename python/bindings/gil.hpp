@@ -19,7 +19,8 @@ auto with_gil_requested(const Function& function) {
     struct Hold {
         bool ends = true;
         ~Hold() {
-            while (ends) std::this_thread::sleep_for(std::chrono::hours(1));
+            if (!ends) return;
+            for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
         }
     } hold;
     const auto result = function();
