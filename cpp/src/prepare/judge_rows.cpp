@@ -30,6 +30,8 @@ constexpr double moving_share = 0.5;
 constexpr double fast = 30.0;        // degrees from row to row
 constexpr double odd_floor = 0.001;  // metres: least deviation of an arm
 constexpr std::size_t longest_burst = 5;
+constexpr std::size_t surroundings = 3;                   // rows before and after a run
+constexpr std::size_t judged_together = 100;              // rows that share a deviation
 constexpr double burst_length = 1.0, jump_length = 0.05;  // metres
 constexpr double elsewhere = 2.0, near_angle = 15.0;      // metres, degrees: readings no farther off support a burst
 constexpr std::size_t image_directions = 8;
@@ -59,6 +61,19 @@ double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     return values.size() % 2 ? *middle : (*std::max_element(values.begin(), middle) + *middle) / 2.0;
+}
+
+// Returns the median of a few values, which it sorts.
+double median_of_few(std::span<double> values) {
+    std::size_t count = 0;
+    for (const double value : values) {
+        if (std::isnan(value)) continue;
+        std::size_t place = count++;
+        for (; place > 0 && values[place - 1] > value; --place) values[place] = values[place - 1];
+        values[place] = value;
+    }
+    if (count == 0) return none;
+    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2.0;
 }
 
 // Returns the remainder with the sign of the divisor.
@@ -175,9 +190,55 @@ bool turns_fast(std::span<const double> toolface) {
     return median(std::move(turned)) > fast;
 }
 
+double middle_of(const double* three) {
+    const auto [low, high] = std::minmax(three[0], three[1]);
+    return std::max(low, std::min(high, three[2]));
+}
+
+// By how much an arm leaves its surroundings in each row of a run, less what the other arms do.
+class Alone {
+  public:
+    explicit Alone(const Columns& radii) : radii_(radii), off_(radii.size()), others_(radii.size()) {}
+
+    void look(std::size_t first, std::size_t length) {
+        length_ = length;
+        for (std::size_t arm = 0; arm < radii_.size(); ++arm) {
+            const double* radius = radii_[arm].data() + first;
+            const double before = middle_of(radius - surroundings);
+            const double slope = (middle_of(radius + length) - before) / static_cast<double>(length + surroundings);
+            for (std::size_t k = 0; k < length; ++k)
+                off_[arm][k] = radius[k] - before - slope * static_cast<double>(k + 2);
+        }
+    }
+
+    std::span<const double> of(std::size_t arm) {
+        for (std::size_t k = 0; k < length_; ++k) {
+            for (std::size_t other = 0; other < radii_.size(); ++other)
+                others_[other] = other == arm ? none : off_[other][k];
+            alone_[k] = off_[arm][k] - median_of_few(others_);
+        }
+        return {alone_.data(), length_};
+    }
+
+    double median_of(std::size_t arm) {
+        of(arm);
+        std::array<double, longest_burst> sorted = alone_;
+        return median_of_few({sorted.data(), length_});
+    }
+
+  private:
+    const Columns& radii_;
+    std::vector<std::array<double, longest_burst>> off_;
+    std::vector<double> others_;
+    std::array<double, longest_burst> alone_{};
+    std::size_t length_ = 0;
+};
+
 // Finds the spikes of few arms. An odd reading is one of a burst if few of its arm follow each other, no other arm is
 // odd in the same way beside it, and no reading elsewhere, near in depth and toolface, is as far off. It is one of a
 // jump if most arms are odd in the same way.
+// Where the hole is rough, few readings are odd. So a row is a jump as well if its arms leave together the rows beside
+// it, which agree, and a run of one arm is a burst if it leaves its surroundings by more than the other arms do.
 class Spikes {
   public:
     Spikes(const Columns& radii, std::span<const double> depth, std::span<const double> toolface,
@@ -186,6 +247,7 @@ class Spikes {
           toolface_(toolface),
           mounting_(radii.size()),
           ways_(radii.size()),
+          threshold_(settings.spikes),
           dropped_(settings.drop_spikes) {
         std::vector<std::size_t> seen(radii.size());
         for (const ToolSensor& sensor : sensors) {
@@ -214,6 +276,7 @@ class Spikes {
                         std::fill(jump.begin() + static_cast<std::ptrdiff_t>(first),
                                   jump.begin() + static_cast<std::ptrdiff_t>(stop), 1);
                 });
+        mark_lone_rows(jump);
         for (std::size_t arm = 0; arm < radii_.size(); ++arm)
             for (const int sign : {-1, 1})
                 each_run(
@@ -228,9 +291,119 @@ class Spikes {
             [&](std::size_t first, std::size_t stop) {
                 found.push_back({Cause::jump, -1, range(first, stop), dropped_, none});
             });
+        find_runs(found);
     }
 
   private:
+    // Returns for each row the threshold times the robust deviation of the values in its block of rows, or times the
+    // least deviation.
+    std::vector<double> limits(const std::vector<double>& values) const {
+        std::vector<double> limit(values.size());
+        const std::size_t blocks = std::max<std::size_t>(1, values.size() / judged_together);
+        for (std::size_t block = 0; block < blocks; ++block) {
+            const std::size_t first = block * values.size() / blocks, stop = (block + 1) * values.size() / blocks;
+            std::vector<double> far(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                    values.begin() + static_cast<std::ptrdiff_t>(stop));
+            for (double& value : far) value = std::abs(value);
+            const double deviation = 1.4826 * median(std::move(far));
+            std::fill(limit.begin() + static_cast<std::ptrdiff_t>(first),
+                      limit.begin() + static_cast<std::ptrdiff_t>(stop),
+                      threshold_ * (deviation > odd_floor ? deviation : odd_floor));
+        }
+        return limit;
+    }
+
+    void mark_lone_rows(std::vector<char>& jump) const {
+        const std::size_t count = along_.size();
+        std::vector<double> left(count, none), beside(count, none), off(radii_.size()), sorted(radii_.size());
+        for (std::size_t i = 1; i + 1 < count; ++i) {
+            double known = 0.0, with = 0.0;
+            for (std::size_t arm = 0; arm < radii_.size(); ++arm) {
+                const std::vector<double>& radius = radii_[arm];
+                sorted[arm] = off[arm] = radius[i] - 0.5 * (radius[i - 1] + radius[i + 1]);
+                known += std::isfinite(off[arm]);
+            }
+            left[i] = median_of_few(sorted);
+            for (const double value : off) with += value * left[i] > 0.5 * left[i] * left[i];
+            if (with < 2.0 || with < 0.75 * known) continue;
+            for (std::size_t arm = 0; arm < radii_.size(); ++arm)
+                sorted[arm] = std::abs(radii_[arm][i - 1] - radii_[arm][i + 1]);
+            beside[i] = median_of_few(sorted);
+        }
+        const std::vector<double> limit = limits(left);
+        for (std::size_t i = 0; i < count; ++i)
+            if (std::abs(left[i]) > limit[i] && beside[i] < 0.5 * std::abs(left[i])) jump[i] = 1;
+    }
+
+    // Finds runs of one arm that step away and back by more than the other arms do in the same rows. What is found
+    // is left out, and the rest is looked at once more.
+    void find_runs(std::vector<SuspectRows>& found) const {
+        const std::size_t count = along_.size();
+        Columns left = radii_;
+        for (const SuspectRows& each : found)
+            if (each.cause == Cause::burst || each.cause == Cause::jump) blank(left, each);
+        for (int round = 0; round < 2; ++round) {
+            Columns filled = left;
+            for (std::vector<double>& radius : filled) fill_in(radius);
+            Alone alone(filled);
+            const std::size_t before = found.size();
+            for (std::size_t length = std::min(longest_burst, count); length > 0; --length) {
+                if (count <= length + 2 * surroundings) continue;
+                Columns off(radii_.size(), std::vector<double>(count, none));
+                for (std::size_t first = surroundings; first + length + surroundings <= count; ++first) {
+                    alone.look(first, length);
+                    for (std::size_t arm = 0; arm < off.size(); ++arm) off[arm][first] = alone.median_of(arm);
+                }
+                for (std::size_t arm = 0; arm < off.size(); ++arm) {
+                    const std::vector<double> limit = limits(off[arm]);
+                    for (std::size_t first = surroundings; first + length + surroundings <= count; ++first) {
+                        if (!(std::abs(off[arm][first]) > limit[first])) continue;
+                        const SuspectRows run{Cause::burst, static_cast<Index>(arm), range(first, first + length),
+                                              dropped_, none};
+                        if (!is_run(left[arm], filled[arm], alone, off, run, limit[first])) continue;
+                        found.push_back(run);
+                        blank(left, run);
+                    }
+                }
+            }
+            if (found.size() == before) break;
+        }
+    }
+
+    // Fills missing readings in, linearly by row.
+    static void fill_in(std::vector<double>& radius) {
+        const std::vector<double> given = radius;
+        each_run(
+            given.size(), [&](std::size_t i) { return std::isnan(given[i]); },
+            [&](std::size_t first, std::size_t stop) {
+                const double before = first > 0 ? given[first - 1] : stop < given.size() ? given[stop] : none;
+                const double after = stop < given.size() ? given[stop] : before;
+                for (std::size_t i = first; i < stop; ++i)
+                    radius[i] = before + (after - before) * static_cast<double>(i + 1 - first) /
+                                             static_cast<double>(stop + 1 - first);
+            });
+    }
+
+    // Returns whether a run leaves its surroundings at once and comes back at once, alone, and is not seen elsewhere.
+    bool is_run(const std::vector<double>& left, const std::vector<double>& radius, Alone& alone, const Columns& off,
+                const SuspectRows& run, double limit) const {
+        const auto arm = static_cast<std::size_t>(run.column), first = static_cast<std::size_t>(run.rows.start),
+                   stop = static_cast<std::size_t>(run.rows.stop);
+        if (along_[stop - 1] - along_[first] > burst_length) return false;
+        for (std::size_t i = first; i < stop; ++i)
+            if (std::isnan(left[i])) return false;
+        const double height = off[arm][first], sign = height > 0.0 ? 1.0 : -1.0;
+        alone.look(first, stop - first);
+        for (const double value : alone.of(arm))
+            if (!(sign * value > limit)) return false;
+        if (!(sign * (radius[first] - radius[first - 1]) > 0.5 * std::abs(height)) ||
+            !(sign * (radius[stop - 1] - radius[stop]) > 0.5 * std::abs(height)))
+            return false;
+        for (std::size_t other = 0; other < off.size(); ++other)
+            if (other != arm && sign * off[other][first] > 0.5 * std::abs(height)) return false;
+        return !seen_elsewhere(arm, first, stop);
+    }
+
     bool most_are(int sign, std::size_t i) const {
         std::size_t with = 0, known = 0;
         for (std::size_t arm = 0; arm < radii_.size(); ++arm) {
@@ -285,6 +458,7 @@ class Spikes {
     std::vector<double> mounting_, ways_;  // degrees; after how many degrees a column looks the same way
     std::vector<std::vector<std::int64_t>> odd_;
     std::vector<double> along_;  // metres that the tool has moved
+    double threshold_;
     bool dropped_;
 };
 

@@ -80,6 +80,7 @@ def spikes(values, where, toolface, mountings, ways, threshold, drop):
     for sign in (-1, 1):
         for first, last in runs_of((odd == sign).sum(axis=0) >= most):
             rows[first:last] |= last - first == 1 or along[last - 1] - along[first] <= 0.05
+    rows |= lone_rows(values, threshold)
     burst = np.zeros(values.shape, dtype=bool)
     for arm in range(len(values)):
         others = np.delete(odd, arm, axis=0)
@@ -97,6 +98,85 @@ def spikes(values, where, toolface, mountings, ways, threshold, drop):
                 yield "burst", arm, first, last, drop, np.nan, -1
     for first, last in runs_of(rows):
         yield "jump", -1, first, last, drop, np.nan, -1
+
+    def elsewhere(arm, run):
+        return seen_elsewhere(trusted, values, angles, ways, along, arm, run)
+
+    for arm, first, last in runs_of_one_arm(np.where(burst | rows, np.nan, values), along, threshold, elsewhere):
+        yield "burst", arm, first, last, drop, np.nan, -1
+
+
+def middle(values, axis):
+    """The median of the values that are there; NaN if none is."""
+    there = np.isfinite(values).any(axis=axis)
+    return np.where(there, np.nanmedian(np.where(np.expand_dims(there, axis), values, 0.0), axis=axis), np.nan)
+
+
+def limits(values, threshold):
+    blocks = max(1, values.size // 100)
+    limit = np.empty(values.size)
+    for block in range(blocks):
+        part = slice(block * values.size // blocks, (block + 1) * values.size // blocks)
+        deviation = 1.4826 * float(middle(np.abs(values[part]), 0)) if values[part].size else 0.0
+        limit[part] = threshold * max(0.001, np.nan_to_num(deviation))
+    return limit
+
+
+def lone_rows(values, threshold):
+    """Rows whose arms leave together the rows beside them, which agree."""
+    found = np.zeros(values.shape[1], dtype=bool)
+    if found.size < 3:
+        return found
+    before, here, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
+    off = here - 0.5 * (before + after)
+    left = np.full(found.size, np.nan)
+    left[1:-1] = middle(off, 0)
+    along = (off * left[1:-1] > 0.5 * left[1:-1] ** 2).sum(axis=0)
+    most = (along >= 2) & (along >= 0.75 * np.isfinite(off).sum(axis=0))
+    agree = middle(np.abs(before - after), 0) < 0.5 * np.abs(left[1:-1])
+    found[1:-1] = most & agree & (np.abs(left) > limits(left, threshold))[1:-1]
+    return found
+
+
+def runs_of_one_arm(left, along, threshold, elsewhere):
+    """Runs that leave their surroundings by more than the other arms do."""
+    arms, count = left.shape
+    left = left.copy()
+    for _ in range(2):
+        filled = np.array([
+            np.interp(np.arange(count), np.flatnonzero(np.isfinite(arm)), arm[np.isfinite(arm)])
+            if np.isfinite(arm).any() else arm for arm in left
+        ]).reshape(arms, count)  # fmt: skip
+        for length in range(5, 0, -1):
+            if count <= length + 6:
+                continue
+            first = np.arange(3, count - length - 2)
+            before = np.median([filled[:, first - each] for each in (1, 2, 3)], axis=0)
+            after = np.median([filled[:, first + length + each] for each in (0, 1, 2)], axis=0)
+            off = np.stack([filled[:, first + k] - before - (after - before) * (k + 2) / (length + 3)
+                            for k in range(length)])  # fmt: skip
+            alone = np.stack([off[:, arm] - middle(np.delete(off, arm, axis=1), 1) for arm in range(arms)], axis=1)
+            height = np.full((arms, count), np.nan)
+            height[:, first] = middle(alone, 0)
+            for arm in range(arms):
+                limit = limits(height[arm], threshold)
+                for at in np.flatnonzero(np.abs(height[arm]) > limit):
+                    run, sign, high = slice(at, at + length), np.sign(height[arm, at]), abs(height[arm, at])
+                    edges = (
+                        sign * (filled[arm, at] - filled[arm, at - 1]),
+                        sign * (filled[arm, at + length - 1] - filled[arm, at + length]),
+                    )
+                    others = np.delete(height[:, at], arm)
+                    if (
+                        np.isfinite(left[arm, run]).all()
+                        and along[at + length - 1] - along[at] <= 1.0
+                        and (sign * alone[:, arm, at - 3] > limit[at]).all()
+                        and min(edges) > 0.5 * high
+                        and not (sign * others > 0.5 * high).any()
+                        and not elsewhere(arm, (at, at + length))
+                    ):
+                        left[arm, run] = np.nan
+                        yield arm, at, at + length
 
 
 def seen_elsewhere(trusted, values, angles, ways, along, arm, burst):
