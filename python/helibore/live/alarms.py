@@ -502,7 +502,7 @@ class Alarms:
 
     def _deliver(self) -> None:
         """Give each line to the command and to the webhook."""
-        while not (self._stopping.is_set() and self._lines.empty()):
+        while not (self._closed or (self._stopping.is_set() and self._lines.empty())):
             try:
                 line = self._lines.get(timeout=TICK)
             except queue.Empty:

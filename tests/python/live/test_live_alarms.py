@@ -459,6 +459,8 @@ def test_a_command_or_a_webhook_that_hangs_delays_no_alarm(tmp_path, monkeypatch
             until((tmp_path / "pids").exists)
             until(lambda: not any(map(is_running, (tmp_path / "pids").read_text().split())))  # none outlives helibore
             assert not alarms._thread.is_alive() or alarms.undelivered
+    alarms._thread.join(PATIENCE)  # no later line goes to whoever listens at that port by then
+    assert not alarms._thread.is_alive()
 
 
 def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatch):
