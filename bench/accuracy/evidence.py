@@ -134,7 +134,7 @@ def left_out_passes() -> list[list[str]]:
     if not f12.FILE.exists():
         return []
     depth, toolface, radius, passes, *_ = f12.read(f12.FILE)
-    moved = depth + find_shifts(depth, radius, passes).at(passes)
+    moved = depth + find_shifts(depth, toolface, radius, passes).at(passes, depth)
     settings = {"bit_diameter": 2 * float(np.median(radius)), "sectors": 32, "pitch": 0.1}
     rows, sums = [], []
     for number in np.unique(passes):

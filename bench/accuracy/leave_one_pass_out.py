@@ -34,9 +34,9 @@ import numpy as np
 
 import helibore as hb
 from helibore.preparation.biases import arm_sides, find_bias
-from helibore.preparation.passes import evaluate
 from helibore.preparation.sensors import Sensor, observe_by_depth
 from helibore.preparation.shifts import find_shifts
+from helibore.wall.points import evaluate
 
 FILE = Path(__file__).parents[3] / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 TOP, BOTTOM = 3080.0, 3240.0
