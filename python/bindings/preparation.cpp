@@ -78,6 +78,35 @@ py::array_t<std::int64_t> odd(const Column& radius, double threshold, double flo
     return array_of(std::move(found));
 }
 
+using Numbers = py::array_t<Index, py::array::c_style>;
+
+std::span<const Index> span_of(const Numbers& numbers) {
+    return {numbers.data(), static_cast<std::size_t>(numbers.size())};
+}
+
+std::optional<py::array_t<Index>> rotations(const Column& toolface, const Numbers& row, const Column& depth) {
+    const std::span<const Index> rows = span_of(row);
+    std::optional<std::vector<Index>> found;
+    {
+        const WithoutGil released;
+        found = turns_by_rotation(span_of(toolface), rows, span_of(depth));
+    }
+    if (!found) return std::nullopt;
+    return array_of(std::move(*found));
+}
+
+py::tuple spiked(const Column& toolface, const Column& radius, const Numbers& turn, const std::optional<Column>& depth,
+                 double threshold, double floor) {
+    const std::span<const Index> turns = span_of(turn);
+    SpikedSamples found;
+    {
+        const WithoutGil released;
+        const auto depths = depth ? std::optional(span_of(*depth)) : std::nullopt;
+        found = find_spikes(span_of(toolface), span_of(radius), turns, depths, threshold, floor);
+    }
+    return py::make_tuple(array_of(std::move(found.samples)), found.unjudged);
+}
+
 double repeats(const Column& depth, const Column& toolface, const Column& radius, Index most) {
     const WithoutGil released;
     return share_of_repeats(span_of(depth), span_of(toolface), span_of(radius), most);
@@ -103,6 +132,9 @@ void register_preparation(py::module_& m) {
     m.def("stuck_arms", &stuck, py::arg("radii"), py::arg("rows"), py::arg("moving"));
     m.def("is_image", [](const Sensors& sensors) { return is_image(sensors_of(sensors)); }, py::arg("sensors"));
     m.def("odd_readings", &odd, py::arg("radius"), py::arg("threshold"), py::arg("floor"));
+    m.def("turns_by_rotation", &rotations, py::arg("toolface"), py::arg("row"), py::arg("depth"));
+    m.def("find_spikes", &spiked, py::arg("toolface"), py::arg("radius"), py::arg("turn"), py::arg("depth"),
+          py::arg("threshold"), py::arg("floor"));
     m.def("share_of_repeats", &repeats, py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("most"));
     m.def("number_passes", &passes, py::arg("depth"), py::arg("reversal"));
 }

@@ -691,6 +691,24 @@ void preparation() {
         CHECK(hb_close(prepared) == HB_OK);
         REFUSED(hb_prepared_get(prepared, &state), "handle = " + std::to_string(prepared) + ": is not open");
     }
+    // A tool that turns: the spike of one sample is left out, unless it shall stay.
+    std::vector<double> round(640, 0.11), along(640), around(640);
+    for (int i = 0; i < 640; ++i)
+        along[static_cast<std::size_t>(i)] = 5e-4 * i, around[static_cast<std::size_t>(i)] = 22.5 * i;
+    round[333] = 0.15;
+    for (const double threshold : {6.0, nan}) {
+        const double straight = 0.0;
+        const std::int32_t first = 0;
+        auto turning = settings;
+        turning.turn_spikes = threshold;
+        std::int64_t prepared = 0;
+        CHECK(hb_prepare(&turning, 640, along.data(), around.data(), nullptr, 1, round.data(), 1, &straight, &straight,
+                         &first, &prepared) == HB_OK);
+        auto state = sized<hb_prepared_state>();
+        CHECK(hb_prepared_get(prepared, &state) == HB_OK);
+        CHECK(state.spikes == (threshold > 0.0 ? 1 : 0) && state.samples == 640 - state.spikes);
+        CHECK(hb_close(prepared) == HB_OK);
+    }
     std::int64_t none = 0;
     const auto prepared = [&](int columns, const std::int32_t* places, const double* given) {
         return hb_prepare(&settings, n, depth.data(), toolface.data(), nullptr, columns, given, 4, offset, mounting,

@@ -301,7 +301,8 @@ typedef struct hb_preparation {
     double bit_diameter; /* NaN: not known */
     double spikes;
     int32_t drop_saturated;
-    int32_t drop_spikes;
+    int32_t drop_spikes; /* those of tools with few arms, from `spikes` deviations on */
+    double turn_spikes;  /* deviations from which samples of other tools are spikes and are dropped; NaN: they stay */
 } hb_preparation;
 
 /* Fills in the defaults. */
@@ -325,6 +326,7 @@ typedef struct hb_prepared_state {
     int64_t no_radius;
     int64_t no_time;
     double repeats; /* share of samples that equal an earlier one */
+    int64_t spikes; /* number of samples that were left out as spikes */
 } hb_prepared_state;
 
 /* Writes into *state what hb_prepare found. */

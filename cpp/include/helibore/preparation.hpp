@@ -1,6 +1,7 @@
 // From the readings of a tool to samples for a wall: the default preparation, in one call.
 //
 //     rows --judge_rows--> suspect rows, of which some are left out --observe_by_depth--> samples
+//     samples --turns_by_rotation, find_spikes--> samples without spikes
 //     samples --share_of_repeats--> how many count again
 //
 // `prepare` takes these steps. Each step can also be taken alone; a step changes nothing that it is given.
@@ -57,7 +58,9 @@ struct PreparationSettings {
     bool drop_closed = true;             // needs the bit's diameter
     bool drop_saturated = true;
     bool drop_spikes = false;
-    double spikes = 6.0;  // deviations from which a reading is odd
+    double spikes = 6.0;  // deviations from which a reading of a tool with few arms is odd
+    // The threshold of find_spikes, for a tool that turns or shows the hole all around; none: its spikes stay.
+    std::optional<double> turn_spikes = 6.0;
 };
 
 // Samples in the order of rows, then of sensors, and how many were left out because a value is missing: each is counted
@@ -72,6 +75,7 @@ struct ToolSamples {
 struct Prepared {
     ToolSamples samples;
     std::vector<SuspectRows> suspects;  // as of judge_rows
+    Index spikes = 0;                   // samples that find_spikes found, and that were left out
     double repeats = 0;  // share of samples that equal an earlier one and count again; 0 if rows have times
 };
 
@@ -102,6 +106,41 @@ ToolSamples observe_by_depth(const ToolRows& rows, std::span<const ToolSensor> s
 // distances from the running median, over 1.44, in each hundred readings, and at least `floor`. Fewer than 17 readings:
 // all 0.
 std::vector<std::int64_t> odd_readings(std::span<const double> radius, double threshold, double floor);
+
+// Returns the turn of each sample, from the toolfaces of a rotating tool's rows in order of time and the row of each
+// sample. From row to row the tool turns the short way round. Returns nothing for a tool that moves more than a metre
+// in a rotation: its turns do not see the same wall. Throws InputError for columns of different lengths, and for a row
+// that is not there.
+std::optional<std::vector<Index>> turns_by_rotation(std::span<const double> toolface, std::span<const Index> row,
+                                                    std::span<const double> depth);
+
+// Samples that are spikes, in rising order, and the number of samples that have too few neighbours to be judged.
+struct SpikedSamples {
+    std::vector<Index> samples;
+    Index unjudged = 0;
+};
+
+// Finds samples that disagree with the turns beside theirs and, where `depth` is given, with samples farther away at
+// their toolface. Samples with one number in `turn` are one turn, in any order; samples without a radius (NaN) do not
+// count. The neighbours of a sample are the six nearest in toolface of the two next to its toolface in each of the
+// three turns before and after; none is farther than 20 degrees (a tool of few samples a turn: 0.75 of the angle
+// between two, at most 45 degrees). A sample is a spike if
+// - it lies beyond the second largest or second smallest neighbour by more than the tolerance and a tenth of the
+//   difference of these two,
+// - no sample next to its toolface in the turn before or after is within half the tolerance of it,
+// - it is one of at most five samples side by side, and of a third of the turn, for which this holds, and the samples
+//   beside these differ from them by more than half the tolerance, or lie beyond their own neighbours; or all samples
+//   of a turn of at most five are such,
+// - no sample confirms it: of those in its 10 degrees, more than three turns but at most 2 m away, the two nearest
+//   before and the two after it, by depth, differ by more than half the tolerance (few samples a turn: the four
+//   nearest, by more than the tolerance),
+// - its turn is at most a metre long: in a longer one the tool slides, and its samples are not of one place.
+// The tolerance is `threshold` deviations. The deviation of a hundred turns is 1.4826 times the median, over the turns,
+// of the median distance of a turn's samples from the medians of their neighbours, and at least `floor`, metres.
+// Throws InputError for columns of different lengths, and for a threshold or floor that is not above 0.
+SpikedSamples find_spikes(std::span<const double> toolface, std::span<const double> radius,
+                          std::span<const std::int64_t> turn, std::optional<std::span<const double>> depth,
+                          double threshold = 6.0, double floor = 0.0005);
 
 // Returns the share of rows that equal an earlier row in all three columns. Of many rows, only about `most` are judged:
 // hashes of depth and toolface choose them, so that all equal rows are among them, or none.

@@ -104,7 +104,8 @@ hb_preparation to_c(const PreparationSettings& s) {
             .bit_diameter = s.bit_diameter.value_or(no_value),
             .spikes = s.spikes,
             .drop_saturated = s.drop_saturated,
-            .drop_spikes = s.drop_spikes};
+            .drop_spikes = s.drop_spikes,
+            .turn_spikes = s.turn_spikes.value_or(no_value)};
 }
 
 PreparationSettings settings_of(const hb_preparation* given) {
@@ -113,7 +114,8 @@ PreparationSettings settings_of(const hb_preparation* given) {
             .drop_closed = s.drop_closed != 0,
             .drop_saturated = s.drop_saturated != 0,
             .drop_spikes = s.drop_spikes != 0,
-            .spikes = s.spikes};
+            .spikes = s.spikes,
+            .turn_spikes = std::isnan(s.turn_spikes) ? std::optional<double>() : s.turn_spikes};
 }
 
 hb_zone_criteria to_c(const ZoneCriteria& of, const MeasuredRule& rule) {
@@ -566,7 +568,8 @@ int32_t hb_prepared_get(int64_t prepared, hb_prepared_state* state) {
                                .no_toolface = samples.no_toolface,
                                .no_radius = samples.no_radius,
                                .no_time = samples.no_time,
-                               .repeats = of.repeats});
+                               .repeats = of.repeats,
+                               .spikes = of.spikes});
     });
 }
 

@@ -537,6 +537,26 @@ std::vector<SuspectRows> judge_rows(const ToolRows& rows, std::span<const ToolSe
     return found;
 }
 
+namespace {
+
+void leave_out(ToolSamples& samples, const std::vector<Index>& spikes) {
+    const auto from = [&](auto& column) {
+        if (column.empty()) return;
+        std::size_t kept = 0, next = 0;
+        for (std::size_t i = 0; i < column.size(); ++i) {
+            if (next < spikes.size() && spikes[next] == static_cast<Index>(i))
+                ++next;
+            else
+                column[kept++] = column[i];
+        }
+        column.resize(kept);
+    };
+    from(samples.depth), from(samples.toolface), from(samples.radius), from(samples.time);
+    from(samples.sensor), from(samples.row);
+}
+
+}  // namespace
+
 Prepared prepare(const ToolRows& given, std::span<const ToolSensor> sensors, const PreparationSettings& settings) {
     Prepared found;
     found.suspects = judge_rows(given, sensors, settings);
@@ -553,6 +573,16 @@ Prepared prepare(const ToolRows& given, std::span<const ToolSensor> sensors, con
     rows.radii.assign(radii.begin(), radii.end());
     found.samples = observe_by_depth(rows, sensors);
     const ToolSamples& samples = found.samples;
+    const auto turn =
+        is_image(sensors) ? std::optional(samples.row) : turns_by_rotation(given.toolface, samples.row, samples.depth);
+    const auto of_arms = settings.drop_spikes ? std::optional(settings.spikes) : std::nullopt;
+    if (const auto threshold = turn ? settings.turn_spikes : of_arms) {
+        const std::vector<Index> spikes =
+            find_spikes(samples.toolface, samples.radius, turn.value_or(samples.row), samples.depth, *threshold)
+                .samples;
+        found.spikes = std::ssize(spikes);
+        leave_out(found.samples, spikes);
+    }
     if (!rows.time) found.repeats = share_of_repeats(samples.depth, samples.toolface, samples.radius, Index{1} << 15);
     return found;
 }

@@ -18,12 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, Mask, column, distinct, runs_of, whole_column
+from helibore.base.arrays import Floats, Mask, column, whole_column
 from helibore.base.errors import InputError
-
-_SAMPLES_AT_ONCE = 1 << 17
-LONGEST_BURST = 5
-"""Largest number of samples side by side that are taken for a burst of spikes."""
 
 
 class SuspectRows(NamedTuple):
@@ -81,8 +77,8 @@ def spikes(
 
     A breakout, a key seat or a ledge continues from turn to turn or around the hole; a spike does not. In each of the
     three turns before and after, take the two samples next to the toolface, one on either side. Of these samples, the
-    six nearest in toolface are compared with the sample, but none farther than 20 degrees (with few arms: 0.75 of the
-    angle between them). The sample is a spike if all of these hold::
+    six nearest in toolface are compared with the sample, but none farther than 20 degrees (with few samples in a turn:
+    0.75 of the angle between two, at most 45 degrees). The sample is a spike if all of these hold::
 
         1  it lies beyond the second largest or second smallest of them by more than the tolerance plus a tenth of the
            difference of those two
@@ -91,8 +87,10 @@ def spikes(
            beyond their neighbours in this way. No sample beside the burst is within half the tolerance of its end,
            unless the first rule holds for that sample, too. A turn of at most five samples, such as a row of arms, may
            be a burst as a whole
-        3  of the four samples before and the four after it, by depth, in its 10 degrees, none is more than three turns
-           away; or the nearest such sample is farther than 5 cm in depth, or differs by more than the tolerance
+        3  no sample confirms it: of the samples in its 10 degrees, more than three turns but at most 2 m away, the two
+           nearest before and the two after it, by depth, differ by more than half the tolerance (with few samples in a
+           turn: the four nearest differ by more than the tolerance)
+        4  its turn is at most a metre long: in a longer one the tool slides, and its samples are not of one place
 
     The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
     samples from the medians of their neighbours; each hundred turns use their median deviation.
@@ -102,7 +100,7 @@ def spikes(
     toolface, radius, turn
         Degrees, metres, and whole numbers in order of time, (n,). Samples with a NaN radius are kept and not counted.
     depth
-        Metres, (n,), for the third rule; None: the third rule is left out.
+        Metres, (n,), for the last two rules; None: they are left out.
     threshold
         The tolerance, in deviations.
     floor
@@ -121,145 +119,11 @@ def spikes(
     angle = column("toolface", toolface)
     distance = column("radius", radius, angle.size, "toolface")
     number = whole_column("turn", turn, angle.size, "toolface")
-    where = np.zeros(angle.size) if depth is None else column("depth", depth, angle.size, "toolface")
-    if not (threshold > 0 and floor > 0):
-        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be above 0")
-    present = np.flatnonzero(np.isfinite(distance))
-    order = present[np.lexsort((angle[present] % 360.0, number[present]))]
-    rings = _Rings(angle[order] % 360.0, distance[order], number[order])
-    middle, low, high, judged = np.empty((4, order.size))
-    alone = np.empty(order.size, dtype=bool)
-    for start in range(0, order.size, _SAMPLES_AT_ONCE):
-        at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
-        judged[at], middle[at], low[at], high[at] = rings.neighbours(at)
-    tolerance = threshold * np.maximum(rings.deviation(middle), floor)
-    slack = tolerance + 0.1 * (high - low)
-    for start in range(0, order.size, _SAMPLES_AT_ONCE):
-        at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
-        alone[at] = ~rings.supported(at, 0.5 * tolerance[at])
-    beyond = (judged >= 4) & ((rings.radius > high + slack) | (rings.radius < low - slack))
-    found = np.flatnonzero(rings.bursts(beyond & alone, beyond, tolerance))
-    if depth is not None and found.size:
-        found = found[~rings.repeated(found, where[order], tolerance)]
+    where = None if depth is None else column("depth", depth, angle.size, "toolface")
+    found, unjudged = _core.find_spikes(angle, distance, number, where, threshold, floor)
     dropped = np.zeros(angle.size, dtype=bool)
-    dropped[order[found]] = True
-    unjudged = int(np.count_nonzero(judged < 4))
+    dropped[found] = True
     return Step("spikes", {"threshold": threshold, "floor": floor}, dropped, {"spike": found.size}, unjudged)
-
-
-class _Rings:
-    """Samples sorted by turn and toolface: the samples of a turn form a ring."""
-
-    reach, used = 3, 6  # number of turns on either side, and number of the neighbours in them that are compared
-
-    def __init__(self, angle: Floats, radius: Floats, turn: Integers) -> None:
-        self.angle, self.radius = angle, radius
-        self.turns, first, count, ring = _runs_of(turn)
-        self.first, self.count, self.ring = first, count, ring
-        self.key = ring * 360.0 + angle
-
-    def _next_to(self, at: Integers, step: int) -> tuple[Integers, Mask]:
-        """Return the two samples in the turn ``step`` turns away that are next to the toolface of each ``at``, (n, 2).
-
-        Also return whether that turn exists, (n,).
-        """
-        ring = np.searchsorted(self.turns, self.turns[self.ring[at]] + step)
-        ring = np.minimum(ring, self.turns.size - 1)
-        there = self.turns[ring] == self.turns[self.ring[at]] + step
-        after = np.searchsorted(self.key, ring * 360.0 + self.angle[at]) - self.first[ring]
-        pair = np.stack([after - 1, after], axis=1) % self.count[ring, None]
-        return self.first[ring, None] + pair, there
-
-    def neighbours(self, at: Integers) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return the number of neighbours of each sample ``at`` in other turns, and radii of these neighbours.
-
-        The radii are the median, the second smallest and the second largest.
-        """
-        pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
-        candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
-        gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
-        # The limit of a tool with few arms is 0.75 of the angle between two arms: a sample beyond it is of another arm.
-        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])
-        far[:, 1::2] |= candidates[:, 1::2] == candidates[:, ::2]  # a turn of one sample gives one neighbour
-        gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
-        nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
-        absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))
-        values = self.radius[np.take_along_axis(candidates, nearest, axis=1)]
-        values = np.sort(np.where(absent, np.nan, values), axis=1)  # NaN are sorted to the end
-        number = self.used - absent.sum(axis=1)
-        row, last = np.arange(at.size), np.maximum(number - 1, 0)
-        middle = 0.5 * (values[row, last // 2] + values[row, (last + 1) // 2])
-        return number.astype(np.float64), middle, values[row, np.minimum(1, last)], values[row, np.maximum(last - 1, 0)]
-
-    def deviation(self, middle: Floats) -> Floats:
-        """Return for each sample the robust deviation of radii from ``middle``, the median of their neighbours, metres.
-
-        Each block of a hundred turns has one deviation, the median of the deviations of its turns. A turn through a
-        breakout has a larger median distance, which is due to shape and not to noise.
-        """
-        off = np.nan_to_num(np.abs(self.radius - middle), nan=np.inf)
-        off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
-        block = np.arange(off.size) // 100
-        _, first, count, _ = _runs_of(block)
-        median: Floats = 1.4826 * off[np.lexsort((off, block))][first + (count - 1) // 2]
-        deviation: Floats = np.where(np.isfinite(median), median, 0.0)[block[self.ring]]
-        return deviation
-
-    def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Return whether each sample ``at`` agrees with a sample next to its toolface in the turn before or after."""
-        agrees = np.zeros(at.size, dtype=bool)
-        for step in (-1, 1):
-            pair, there = self._next_to(at, step)
-            near = np.abs(self.radius[pair] - self.radius[at, None]) <= tolerance[:, None]
-            agrees |= near.any(axis=1) & there
-        return agrees
-
-    def bursts(self, odd: Mask, beyond: Mask, tolerance: Floats) -> Mask:
-        """Return which of the ``odd`` samples are in a burst: few side by side in a turn, unlike those beside them.
-
-        A sample beside a burst that is ``beyond`` its neighbours too does not support the burst.
-        """
-        found = np.zeros(odd.size, dtype=bool)
-        rings = distinct(self.ring[odd])
-        for first, count in zip(self.first[rings].tolist(), self.count[rings].tolist(), strict=True):
-            ring = np.arange(first, first + count)
-            if odd[ring].all():
-                found[ring] = count <= LONGEST_BURST
-                continue
-            ring = np.roll(ring, -int(np.argmin(odd[ring])))  # begins with a sample that is not odd
-            for begin, end in runs_of(odd[ring]):
-                if end - begin > max(1, min(LONGEST_BURST, count // 3)):
-                    continue
-                ends = ring[[begin, end - 1]]
-                beside = ring[[begin - 1, end % count]]
-                off = np.abs(self.radius[ends] - self.radius[beside])
-                found[ring[begin:end]] = ((off > 0.5 * tolerance[ends]) | beyond[beside]).all()
-        return found
-
-    def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Return whether each sample ``at`` agrees with a sample more than three turns and at most 5 cm of depth away.
-
-        That other sample is the nearest in depth among the four before and the four after in the same 10 degrees.
-        """
-        cell = np.floor(self.angle / 10.0)
-        order = np.lexsort((depth, cell))
-        place = np.empty(order.size, dtype=np.int64)
-        place[order] = np.arange(order.size)
-        beside = place[at, None] + np.array([-4, -3, -2, -1, 1, 2, 3, 4])
-        other = order[np.clip(beside, 0, order.size - 1)]
-        off = np.abs(depth[other] - depth[at, None])
-        apart = np.abs(self.turns[self.ring[other]] - self.turns[self.ring[at]][:, None]) > self.reach
-        off[(cell[other] != cell[at, None]) | ~apart] = np.inf
-        nearest = np.argmin(off, axis=1, keepdims=True)
-        radius = self.radius[np.take_along_axis(other, nearest, axis=1)[:, 0]]
-        agrees: Mask = (off.min(axis=1) <= 0.05) & (np.abs(radius - self.radius[at]) <= tolerance[at])
-        return agrees
-
-
-def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, first row and count of each, and the index of each row's value."""
-    different, first, count = np.unique(values, return_index=True, return_counts=True)
-    return different, first, count, np.repeat(np.arange(different.size), count)
 
 
 def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5) -> Step:

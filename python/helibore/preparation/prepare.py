@@ -53,9 +53,6 @@ SIDES = 8
 JUDGED = 20_000
 """Largest number of samples used to compare passes and arms if ``bias`` is "none"."""
 
-LONG_TURN = 1.0
-"""Metres; if the tool moves farther than this in a turn, neighbouring turns do not see the same wall."""
-
 CAUSES = {
     "arms": ("disagreement",),
     "closed": ("closed", "ramp"),
@@ -400,17 +397,42 @@ class _Pipeline:
                 )
                 self.report.append(("repeated", f"{text}; preparation.repeated=true drops them"))
         samples = self.samples
-        if settings.spikes is not None:
-            turn, _ = self._turns(rows=True)
-            self._drop(conditioning.spikes(
-                samples.toolface, samples.radius, turn, samples.depth, threshold=settings.spikes
-            ))  # fmt: skip
+        for threshold, of_arms in ((settings.turn_spikes, False), (settings.spikes, True)):
+            if threshold is not None:
+                self._drop_spikes(threshold, of_arms)
 
-    def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
+    def _drop_spikes(self, threshold: float, of_arms: bool) -> None:
+        """Drop samples that disagree with the turns beside theirs: of tools that turn, or of tools with few arms.
+
+        Each row of a tool with few arms, which moves more than a metre in a rotation, is a turn. A tool without
+        toolface has no turns.
+        """
+        samples, first = self.samples, 0
+        turn = np.full(samples.depth.size, -1)
+        for number, one in enumerate(self.readings):
+            mine = np.flatnonzero(samples.file == number)
+            own: Integers | None = None
+            if not mine.size or (not (one.is_image or one.turning or self.settings.turn_height) and not of_arms):
+                continue
+            if one.is_image or not one.turning or self.settings.turn_height:
+                own = self._turns_of(one, mine)[0].astype(np.int64)
+            else:
+                own = _core.turns_by_rotation(one.toolface, samples.row[mine], samples.depth[mine])
+            if (own is None) is not of_arms:
+                continue
+            own = samples.row[mine] if own is None else own
+            turn[mine] = own + (first - own.min())
+            first = int(turn[mine].max()) + 4  # the turns of one file are not beside those of the next
+        possible = (turn >= 0) & (samples.radius > 0.0) & (samples.radius <= LARGEST_RADIUS)  # others are errors
+        judged = np.where(possible, samples.radius, np.nan)
+        found = conditioning.spikes(samples.toolface, judged, turn, samples.depth, threshold=threshold)
+        if found.dropped.any():
+            self._drop(found)
+
+    def _turns(self) -> tuple[Integers, Floats | None]:
         """Return the turn of each sample, and its position along the turns (None if not all turns are rotations).
 
-        The samples of one turn are taken to be measured around the hole from one place. If ``rows``, and a tool moves
-        more than a metre in a rotation, each of its rows is a turn.
+        The samples of one turn are taken to be measured around the hole from one place.
         """
         turn = np.empty(self.samples.depth.size, dtype=np.int64)
         position = np.empty(turn.size)
@@ -419,8 +441,6 @@ class _Pipeline:
             mine = np.flatnonzero(self.samples.file == number)
             position[mine], kind = self._turns_of(one, mine)
             turn[mine] = np.floor(position[mine])
-            if rows and kind == "rotation" and self._height(turn[mine], mine) > LONG_TURN:
-                turn[mine], kind = self.samples.row[mine], "rows of arms"
             if mine.size:
                 moved = first - turn[mine].min()
                 turn[mine] += moved
@@ -432,12 +452,6 @@ class _Pipeline:
         if line not in self.report:
             self.report.append(line)
         return turn, position if kinds == {"rotation"} else None
-
-    def _height(self, turn: Integers, mine: Integers) -> float:
-        """Return the median distance in depth from one turn to the next, metres; 0 for fewer than two turns."""
-        _, row = np.unique(turn, return_inverse=True)
-        depth = np.bincount(row, self.samples.depth[mine]) / np.bincount(row)
-        return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
         """Return the positions of one file's samples along its turns, and the report's words for what a turn is."""

@@ -58,9 +58,14 @@ class Preparation(Declared, group="preparation"):
         "time.",
     ] = False  # fmt: skip
     spikes: Annotated[float | None, POSITIVE, Option(metavar="DEVIATIONS"),
-        "Drop samples, bursts and rows that differ from the wall around them by this many robust deviations; 6 is "
-        "usual. None: spikes of tools with few arms are only reported.",
+        "Drop readings, bursts and rows of a tool with few arms that differ from the wall around them by this many "
+        "robust deviations; 6 is usual. Between its rows such a tool may miss what would confirm them. None: spikes "
+        "are reported.",
     ] = None  # fmt: skip
+    turn_spikes: Annotated[float | None, POSITIVE, Option("none: they stay", metavar="DEVIATIONS"),
+        "Drop samples that differ from the turns beside theirs by this many robust deviations, and that no other turn "
+        "confirms, if the tool turns within a metre or shows the hole all around.",
+    ] = 6.0  # fmt: skip
     turn_height: Annotated[float | None, METRES, POSITIVE, Option("a turn is a rotation, or a row of an image"),
         "Height of a turn, for a tool that does not turn. None: a turn is a rotation, or a row of an image "
         "(`is_image`).",

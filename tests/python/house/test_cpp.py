@@ -109,8 +109,8 @@ STRUCTS = {
     "hb_change": (40, 6),
     "hb_update": (72, 6),
     "hb_sigma_rule": (56, 8),
-    "hb_preparation": (32, 6),
-    "hb_prepared_state": (64, 9),
+    "hb_preparation": (40, 7),
+    "hb_prepared_state": (72, 10),
     "hb_zone_criteria": (88, 12),
 }
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from helibore import _core
 from helibore.preparation.conditioning import (
     Step,
     closed,
@@ -51,8 +52,8 @@ def apart(a, b):
     return abs((a - b + 180) % 360 - 180)
 
 
-def slow_spikes(toolface, radius, turn, threshold, floor):
-    """The rules sample by sample, without the third."""
+def slow_spikes(toolface, radius, turn, threshold, floor, depth=None):
+    """The rules sample by sample."""
     angle = toolface % 360
     rows = [i for i in range(len(radius)) if radius[i] == radius[i]]
     rings = {number: sorted((i for i in rows if turn[i] == number), key=lambda i: angle[i]) for number in set(turn)}
@@ -66,7 +67,7 @@ def slow_spikes(toolface, radius, turn, threshold, floor):
     around, middle = {}, {}
     for i in rows:
         pairs = [j for step in (-3, -2, -1, 1, 2, 3) for j in beside(i, turn[i] + step)]
-        pairs = [j for j in pairs if apart(angle[i], angle[j]) <= max(20, 270 / len(rings[turn[i]]))]
+        pairs = [j for j in pairs if apart(angle[i], angle[j]) <= min(max(20, 270 / len(rings[turn[i]])), 45)]
         pairs = sorted(pairs, key=lambda j: apart(angle[i], angle[j]))[:6]
         around[i] = sorted(radius[j] for j in pairs)
         middle[i] = np.median(around[i]) if pairs else np.inf
@@ -98,6 +99,18 @@ def slow_spikes(toolface, radius, turn, threshold, floor):
             elif len(burst) <= max(1, min(5, len(ring) // 3)):
                 ends = (burst[0], ring[start - 1]), (burst[-1], ring[(start + len(burst)) % len(ring)])
                 dropped[burst] = all(b in beyond or abs(radius[a] - radius[b]) > 0.5 * tolerance for a, b in ends)
+    if depth is not None:
+        for i in np.flatnonzero(dropped):
+            own = [depth[j] for j in rings[turn[i]]]
+            others = [
+                j for j in rows
+                if angle[j] // 10 == angle[i] // 10 and abs(turn[j] - turn[i]) > 3 and abs(depth[j] - depth[i]) <= 2
+            ]  # fmt: skip
+            others = sorted(others, key=lambda j: abs(depth[j] - depth[i]))
+            limit, most = (tolerance, 4) if 270 / len(rings[turn[i]]) > 20 else (0.5 * tolerance, 2)
+            near = [j for j in others if depth[j] < depth[i]][:most] + [j for j in others if depth[j] > depth[i]][:most]
+            if max(own) - min(own) > 1 or any(abs(radius[j] - radius[i]) <= limit for j in near):
+                dropped[i] = False
     return dropped, sum(len(around[i]) < 4 for i in rows)
 
 
@@ -109,14 +122,15 @@ def test_the_only_sample_of_a_turn_is_one_neighbour():
 
 
 @settings(deadline=None)
-@given(st.integers(0, 10_000), st.integers(0, 120), st.integers(2, 12))
-def test_spikes_against_loop(seed, count, turns):
+@given(st.integers(0, 10_000), st.integers(0, 120), st.integers(2, 12), st.sampled_from([None, 0.02, 0.5, 5.0]))
+def test_spikes_against_loop(seed, count, turns, height):
     rng = np.random.default_rng(seed)
     toolface, turn = rng.random(count) * 720 - 360, rng.integers(0, turns, count)
     radius = 0.1 + 0.0005 * rng.integers(-3, 4, count) + 0.02 * (rng.random(count) < 0.1)
     radius[rng.random(count) < 0.1] = NAN
-    step = spikes(toolface, radius, turn, threshold=4.0)
-    dropped, unjudged = slow_spikes(toolface, radius, turn, 4.0, 0.0005)
+    depth = None if height is None else height * (turn + rng.random(count))
+    step = spikes(toolface, radius, turn, depth, threshold=4.0)
+    dropped, unjudged = slow_spikes(toolface, radius, turn, 4.0, 0.0005, depth)
     np.testing.assert_array_equal(step.dropped, dropped)
     assert step.unjudged == unjudged
     assert_counted(step)
@@ -167,6 +181,37 @@ def test_spikes_are_found_and_the_shape_of_ten_holes_stays():
     assert shaped > 10_000
     assert found >= 0.95 * spiked
     assert lost <= 0.01 * shaped
+
+
+@pytest.mark.parametrize(("per_turn", "height"), [(1.3, 0.07), (3, 0.1), (5, 0.1), (12, 0.3), (16, 0.05)])
+def test_a_key_seat_stays_that_few_samples_see(per_turn, height):
+    """Narrow and 3 cm deep: most turns miss it, and other turns confirm what one of them saw."""
+    rng = np.random.default_rng(int(per_turn))
+    position = np.cumsum(rng.uniform(0.7, 1.3, int(20 / height * per_turn))) / per_turn
+    toolface = position * 360 % 360
+    radius = 0.109 + 0.03 * np.exp(-((apart(toolface, 80) / 20) ** 2)) + rng.normal(0, 0.0005, toolface.size)
+    worn = radius > 0.112
+    dropped = spikes(toolface, radius, np.floor(position), position * height).dropped
+    assert np.count_nonzero(dropped & worn) <= 0.05 * np.count_nonzero(worn)
+    assert not (dropped & ~worn).any()
+
+
+def test_a_tool_that_slides_has_no_spikes():
+    """It stands at one toolface past ledges: what lies side by side in its long turn is not of one place."""
+    depth = np.arange(0, 8, 0.02)
+    toolface = np.where(depth < 4, 200 + np.random.default_rng(1).normal(0, 3, 400), np.arange(400) * 25 % 360)
+    turn = np.where(depth < 4, 0, 1 + np.arange(400) * 25 // 360)
+    ledge = np.floor(depth / 0.3) % 2 * 0.012
+    assert not spikes(toolface, 0.109 + ledge, turn, depth).dropped.any()
+
+
+@given(st.lists(st.floats(-720, 720), min_size=1, max_size=60), st.floats(0, 0.02))
+def test_turns_are_those_of_the_unwrapped_toolface(toolface, step):
+    toolface = np.round(np.array(toolface), 3)
+    row = np.repeat(np.arange(toolface.size), 2)
+    turn = _core.turns_by_rotation(toolface, row, step * row)
+    np.testing.assert_array_equal(turn, np.floor(np.unwrap(toolface % 360.0, period=360.0) / 360.0 + 1e-9)[row])
+    assert _core.turns_by_rotation(toolface, row, 3.0 * np.abs(turn)) is None or np.unique(turn).size == 1
 
 
 def test_what_another_pass_saw_too_is_no_spike():
@@ -290,7 +335,7 @@ def test_travel_time():
     ("call", "place"),
     [
         (lambda: Echo(0, 0.04), "velocity"),
-        (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0"),
+        (lambda: spikes([0], [1], [0], floor=0), "floor"),
         (lambda: spikes([0], [1, 2], [0]), "radius has 2 values, toolface has 1"),
         (lambda: stuck([[1.0]]), "arms has 1 columns"),
         (lambda: stuck([[1.0], [1.0, 2.0]]), "arms[1] has 2 values, arms[0] has 1"),

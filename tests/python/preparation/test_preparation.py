@@ -128,17 +128,16 @@ def test_spikes_by_rotation_and_by_height(golden: Golden) -> None:
     one = rotating()
     radius = np.array(one["radius"].values)
     radius[[50, 222]] = 0.19
-    found = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0))
+    found = prepare(rotating(radius__m=radius).readings())
     assert found.counts["spikes"] == 2
-    assert found.report[0] == ("turns", "37, by rotation; samples in a turn: 11")
     assert found.caliper.radius.max() < 0.12
-    by_height = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0, turn_height=0.05))
+    by_height = prepare(rotating(radius__m=radius).readings(), Preparation(turn_height=0.05))
     assert by_height.counts["spikes"] == 2
-    assert "by depth, 0.05 m each" in by_height.report[0][1]
+    assert prepare(rotating(radius__m=radius).readings(), Preparation(turn_spikes=None)).caliper.radius.max() == 0.19
     far = rotating(r2__m=radius)
     roles = overlay(guess(far), far, {"r2": {"role": "radius", "angle": 0.0, "offset": 6.0}})
-    apart = prepare(readings(far, roles), Preparation(spikes=6.0, turn_height=0.05))
-    golden(apart.report[0])
+    apart = prepare(readings(far, roles), Preparation(turn_height=0.05))
+    assert apart.counts["spikes"] == 2
     still = log(md__m=np.arange(N), radius__m=radius)
     roles = overlay(guess(still), still, {"radius": {"angle": 0.0}})
     with golden.raises():
@@ -152,10 +151,10 @@ def test_what_another_pass_saw_at_its_depth_is_no_spike() -> None:
     columns["pass"] = np.repeat([1, 2], 960)
     radius = np.full(1920, 0.1)
     radius[[500, 960 + 500]] = 0.13
-    both = prepare(log(**columns, radius__m=radius).readings(), Preparation(spikes=6.0))
-    assert both.counts == {"spikes": 0, "kept": 1920}
+    both = prepare(log(**columns, radius__m=radius).readings())
+    assert both.counts == {"kept": 1920}
     radius[960 + 500] = 0.1
-    alone = prepare(log(**columns, radius__m=radius).readings(), Preparation(spikes=6.0))
+    alone = prepare(log(**columns, radius__m=radius).readings())
     assert alone.counts == {"spikes": 1, "kept": 1919}
 
 

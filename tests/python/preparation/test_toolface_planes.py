@@ -82,7 +82,7 @@ def test_four_angles_in_one_file(tmp_path, names, kind, inclination):
     file = hb.open(las(tmp_path / "f.las", dict(zip(names, (toolface, inclination, azimuth), strict=True))))
     for own in (True, False):  # by the directions in the file, or by those of the path
         readings = file.readings() if own else file.readings(without(file.set(), names[2]))
-        made = hb.prepare(readings, path=path_of(inclination, azimuth)).caliper
+        made = hb.prepare(readings, hb.Preparation(turn_spikes=None), path=path_of(inclination, azimuth)).caliper
         first = made.toolface.reshape(ROWS, 4)[:, [0, 2]]  # C1 looks along the pad, C2 90 degrees beside it
         order = np.argsort(made.depth.reshape(ROWS, 4)[:, 0])
         np.testing.assert_allclose(apart(first[:, 0], rb[order]), 0, atol=0.001)

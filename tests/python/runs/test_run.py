@@ -58,7 +58,7 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     mesh, again = tmp_path / "w.glb", tmp_path / "again.glb"
     first = run(
         "reconstruct", folder / "c.csv", "--survey", folder / "s.csv", "-o", mesh, "--bit-diameter", "216mm",
-        "--sectors", 32, "--spikes", 6, "-s", "preparation.least_radius=50mm", "-s",
+        "--sectors", 32, "-s", "preparation.least_radius=50mm", "-s",
         "preparation.greatest_radius=300mm", "--recentre",
         "-s", "preparation.reversal=0.5m",
         "--find-shifts", "--bias", "arm", "--earlier", 1, "-s", "mesh.color_by=difference",
@@ -71,7 +71,7 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     assert second.exit_code == 0, second.output
     assert again.read_bytes() == mesh.read_bytes()
     assert re.search(r"repeated +to the last bit", second.output)
-    for label in ("spikes", "range", "turns", "passes", "shift", "toolface", "recentre", "bias", "difference"):
+    for label in ("range", "turns", "passes", "shift", "toolface", "recentre", "bias", "difference"):
         assert f"\n{label} " in first.output, label
     settings = read_project(project_file(mesh))
     third = make_wall(open_run(settings))
@@ -231,15 +231,15 @@ def written(folder: Path, tmp_path: Path, kind: str) -> tuple[Path, list[object]
 
 def test_an_archive_keeps_what_preparation_left_out_and_corrected(folder: Path, tmp_path: Path) -> None:
     archive, page, logs = (tmp_path / name for name in ("w.wall", "w.html", "w.csv"))
-    first = run("reconstruct", folder / "c.csv", "-o", archive, "--bit-diameter", "216mm", "--spikes", 6)
+    first = run("reconstruct", folder / "c.csv", "-o", archive, "--bit-diameter", "216mm", "--recentre")
     assert first.exit_code == 0, first.output
     lines = preparation_lines(hb.load(archive))
-    assert "spikes" in dict(lines)
+    assert "recentre" in dict(lines)
     for command, *given in (("report", "-o", page, "--dpi", 40, "--no-body", "--no-polar"), ("logs", "-o", logs)):
         done = run(command, archive, *given)
         assert done.exit_code == 0, done.output
         assert "archive of a wall" in done.output
-        assert "\nspikes " in done.output
+        assert "\nrecentre " in done.output
     for number, (label, text) in enumerate(lines, 1):
         assert f"<tr><th>{label}</th><td>{html.escape(text)}</td></tr>" in page.read_text()
         assert read_facts(logs)[0][f"prepared {number}"] == f"{label} {text}"

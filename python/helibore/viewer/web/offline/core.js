@@ -6,8 +6,8 @@ export const STRUCTS = {
   hb_wall_state: 'u size, i reserved, l vertices, l samples, l settled, d start_depth',
   hb_change: 'u size, i reserved, l ranges, l settled, l accepted, l redundant',
   hb_path_settings: 'u size, i method, i reference, i reserved, d head_north, d head_east, d head_down, d extend',
-  hb_preparation: 'u size, i drop_closed, d bit_diameter, d spikes, i drop_saturated, i drop_spikes',
-  hb_prepared_state: 'u size, i reserved, l samples, l suspects, l no_depth, l no_toolface, l no_radius, l no_time, d repeats',
+  hb_preparation: 'u size, i drop_closed, d bit_diameter, d spikes, i drop_saturated, i drop_spikes, d turn_spikes',
+  hb_prepared_state: 'u size, i reserved, l samples, l suspects, l no_depth, l no_toolface, l no_radius, l no_time, d repeats, l spikes',
   hb_sigma_rule: 'u size, i reserved, d noise, d between, d scatter_power, d distance_power, d stretch, d reach',
 };
 export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4, time: 7, sensor: 8 };
