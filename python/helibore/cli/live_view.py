@@ -158,15 +158,20 @@ class Window:
             Attribute.usual(name, units.get(name, "")): values for name in self._images
         }
         reference = next((layout.reference for layout in live.model.layouts.values()), None)  # the same for all images
-        feed = Feed(
-            self._shown,
-            path=self._path(),
-            attributes=attributes,
-            well=self._well,
-            scene=self.scene,
-            reference=reference,
-            alarmed=live.configuration.alarms.by_kind,
-        )
+        try:
+            feed = Feed(
+                self._shown,
+                path=self._path(),
+                attributes=attributes,
+                well=self._well,
+                scene=self.scene,
+                reference=reference,
+                alarmed=live.configuration.alarms.by_kind,
+            )
+        except InputError:
+            if len(live.wall) == len(values):
+                raise
+            return  # the wall has grown meanwhile, so the values are too few: the next refresh begins
         feed.start()
         self._feed = feed
         feed.update()  # shows the changes that came during the start

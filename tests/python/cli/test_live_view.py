@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import socket
@@ -173,6 +174,25 @@ def test_images_of_the_rig_are_on_the_page() -> None:
         until(lambda: window.refresh({}) or shown(window, live))
 
 
+@pytest.mark.usefixtures("needs_page")
+def test_a_wall_that_grows_while_its_page_begins_is_shown_by_the_next_refresh(monkeypatch) -> None:
+    from helibore.cli.live_view import Window
+
+    with Window("well-7") as window:
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.show(pushed(live, 100.0))
+        depth = 100.0 + 0.1 * np.arange(9)
+        window.show(live.append_image("GR", depth, np.ones((9, 8)), "gAPI", origin="edge", reference="high-side"))
+        path = window._path
+        monkeypatch.setattr(window, "_path", lambda: window.show(pushed(live, 101.0)) or path())
+        window.refresh({})
+        assert health(window.url)["vertices"] == 0
+        monkeypatch.undo()
+        window.refresh({})
+        until(lambda: health(window.url)["vertices"] == len(live.wall))
+
+
 @pytest.mark.browser
 @pytest.mark.usefixtures("needs_page")
 @NEEDS_BROWSER[1]
@@ -246,7 +266,10 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
     with (
         subprocess.Popen(rig, stdout=subprocess.DEVNULL) as played,
         subprocess.Popen(wall, stdout=subprocess.PIPE, text=True) as running,
+        contextlib.ExitStack() as ending,
     ):
+        ending.callback(played.kill)  # a test that failed waits for neither
+        ending.callback(running.kill)
         assert running.stdout is not None
         reported = re.search(r"http://\S+", running.stdout.readline())
         assert reported
