@@ -411,6 +411,7 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         depth.fill("99999")
         screen.keyboard.press("Enter")
         screen.page.get_by_text("is outside the wall").wait_for()
+        screen.until("document.querySelector('#pickFields [name=depth]').value !== '99999'")  # by the next picture
         depth.fill(f"{1011 / 0.3048:.2f}")
         screen.keyboard.press("Enter")
         screen.until("Math.abs(window.__wall.app.picking.pick.depth - 1011) < 0.01")
@@ -527,6 +528,7 @@ def test_a_curtain_lays_the_image_beside_over_the_first_and_the_passes_over_each
         screen.evaluate("window.__wall.app.view.showImages('over', [])")  # alone again: the two passes
         viewer.update(wall.patch(64 * 100, 64 * 140, 0.01))
         screen.until("window.__wall.app.store.vertex(6410)?.radius > 0.115")
+        screen.until("window.__wall.app.alarms.zones.length")  # its line takes height from the image
         screen.settle()
         latest = screen.pixels("image")
         screen.keyboard.press("w")
