@@ -858,7 +858,7 @@ def test_a_flight_is_filmed(browser: Any, viewer: Any) -> None:
     screen.settle()
     with screen.page.expect_download() as download:
         screen.click("#film")
-        screen.until("window.__wall.app.view.top > 1008")
+        screen.until("window.__wall.app.view.top > 1009.5")
         screen.click("#film")
     assert download.value.suggested_filename.endswith(".webm")
     body = Path(download.value.path()).read_bytes()
