@@ -114,7 +114,8 @@ std::vector<std::int64_t> odd_readings(std::span<const double> radius, double th
 std::optional<std::vector<Index>> turns_by_rotation(std::span<const double> toolface, std::span<const Index> row,
                                                     std::span<const double> depth);
 
-// Samples that are spikes, in rising order, and the number of samples that have too few neighbours to be judged.
+// Samples that are spikes, in rising order, and the number of samples that no turn beside theirs agrees with, and that
+// have fewer than four neighbours to be judged by.
 struct SpikedSamples {
     std::vector<Index> samples;
     Index unjudged = 0;

@@ -180,31 +180,25 @@ class SpikeSearch {
 
   private:
     // Adds the samples of a ring that lie beyond their neighbours, and that no sample next to them, in the turn before
-    // or after, agrees with; counts samples with few neighbours.
+    // or after, agrees with; counts those with few neighbours.
     void screen(std::size_t r, std::vector<std::size_t>& suspect) {
         const std::size_t before = rings_.beside[r][reach - 1], after = rings_.beside[r][reach];
         std::array<std::size_t, 2> at{};
         if (before != nothing) at[0] = rings_.first[before];
         if (after != nothing) at[1] = rings_.first[after];
-        const double limit = rings_.limit(r);
         for (std::size_t i = rings_.first[r]; i < rings_.first[r + 1]; ++i) {
             bool agrees = false;
-            std::size_t near = 0;
             for (std::size_t side = 0; side < 2; ++side) {
                 const std::size_t of = side ? after : before;
                 if (of == nothing) continue;
                 while (at[side] < rings_.first[of + 1] && rings_.angle[at[side]] < rings_.angle[i]) ++at[side];
-                const std::array<std::size_t, 2> two = rings_.pair(of, at[side]);
-                for (const std::size_t one : two) {
+                for (const std::size_t one : rings_.pair(of, at[side]))
                     agrees |= std::abs(rings_.radius[one] - rings_.radius[i]) <= 0.5 * tolerance_;
-                    near += angle_between(rings_.angle[one], rings_.angle[i]) <= limit;
-                }
-                if (two[0] == two[1]) near = 0;
             }
-            if (agrees && near == least) continue;
+            if (agrees) continue;
             const Neighbours of = neighbours(rings_, i);
             unjudged_ += of.number < least;
-            if (!agrees && beyond(i, of)) suspect.push_back(i);
+            if (beyond(i, of)) suspect.push_back(i);
         }
     }
 

@@ -110,7 +110,8 @@ def spikes(
     Returns
     -------
     Step
-        ``unjudged`` counts samples with fewer than four neighbours in other turns.
+        ``unjudged`` counts samples with fewer than four neighbours in other turns that no sample next to their toolface
+        in the turn before or after agrees with.
 
     Notes
     -----

@@ -111,12 +111,17 @@ def slow_spikes(toolface, radius, turn, threshold, floor, depth=None):
             near = [j for j in others if depth[j] < depth[i]][:most] + [j for j in others if depth[j] > depth[i]][:most]
             if max(own) - min(own) > 1 or any(abs(radius[j] - radius[i]) <= limit for j in near):
                 dropped[i] = False
-    return dropped, sum(len(around[i]) < 4 for i in rows)
+    few = [i for i in rows if len(around[i]) < 4]
+    alone = [
+        i for i in few
+        if all(abs(radius[j] - radius[i]) > 0.5 * threshold * floor for s in (-1, 1) for j in beside(i, turn[i] + s))
+    ]  # fmt: skip
+    return dropped, len(alone)
 
 
 def test_the_only_sample_of_a_turn_is_one_neighbour():
     step = spikes(np.zeros(7), [0.1, 0.1, 0.1, 0.2, 0.1, 0.1, 0.1], np.arange(7))
-    assert step.unjudged == 2  # the first and the last: they have three neighbours
+    assert step.unjudged == 0  # the first and the last have three neighbours, and agree with them
     np.testing.assert_array_equal(np.flatnonzero(step.dropped), [3])
     assert spikes(np.zeros(3), [0.1, 0.2, 0.1], np.arange(3)).unjudged == 3
 
