@@ -136,9 +136,9 @@ struct SpikedSamples {
 //   before and the two after it, by depth, differ by more than half the tolerance (few samples a turn: the four
 //   nearest, by more than the tolerance),
 // - its turn is at most a metre long: in a longer one the tool slides, and its samples are not of one place.
-// The tolerance is `threshold` deviations. The deviation of a hundred turns is 1.4826 times the median, over the turns,
-// of the median distance of a turn's samples from the medians of their neighbours, and at least `floor`, metres.
-// Throws InputError for columns of different lengths, and for a threshold or floor that is not above 0.
+// The tolerance is `threshold` deviations. The deviation of a hundred turns is 1.4826 times the median, over every
+// fourth turn, of the median distance of a turn's samples from the medians of their neighbours, and at least `floor`,
+// metres. Throws InputError for columns of different lengths, and for a threshold or floor that is not above 0.
 SpikedSamples find_spikes(std::span<const double> toolface, std::span<const double> radius,
                           std::span<const std::int64_t> turn, std::optional<std::span<const double>> depth,
                           double threshold = 6.0, double floor = 0.0005);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t reach = 3, used = 6, least = 4;  // turns on either side; neighbours in them: compared, needed
 constexpr double near_angle = 20.0, far_angle = 45.0, arm_share = 270.0;
-constexpr std::size_t judged_together = 100;  // turns
+constexpr std::size_t judged_together = 100, measured_together = 25;  // turns with one deviation, and of which it is
 constexpr double of_median = 1.4826, spread_share = 0.1;
 constexpr std::size_t longest_burst = 5;
 constexpr double cell = 10.0, elsewhere = 2.0;  // degrees, metres: where other turns confirm a sample
@@ -28,6 +28,7 @@ constexpr std::size_t nothing = std::numeric_limits<std::size_t>::max();
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 double in_turn(double degrees) {
+    if (degrees >= 0.0 && degrees < 360.0) return degrees;  // most are; std::fmod is slow
     const double rest = std::fmod(degrees, 360.0);
     return rest < 0.0 ? rest + 360.0 : rest;
 }
@@ -161,13 +162,13 @@ class SpikeSearch {
             const std::size_t stop = std::min(start + judged_together, turns);
             // The least tolerance: what is no spike by it is none, whatever the noise. Most turns need no more.
             tolerance_ = threshold_ * floor_;
+            begin_ = rings_.first[start];
             std::vector<std::size_t> suspect;
             for (std::size_t r = start; r < stop; ++r) screen(r, suspect);
             if (suspect.empty()) continue;
-            judge(start, stop);
-            std::vector<bool> odd(rings_.first[stop] - rings_.first[start]);
-            for (const std::size_t i : suspect)
-                odd[i - rings_.first[start]] = beyond(i, of_[i - begin_]) && !supported(i);
+            tolerance_ = tolerance_of(start, stop);
+            std::vector<bool> odd(rings_.first[stop] - begin_);
+            for (const std::size_t i : suspect) odd[i - begin_] = beyond(i, neighbours(rings_, i)) && !supported(i);
             for (std::size_t r = start; r < stop; ++r) add_bursts(r, odd, found);
         }
         leave_out_confirmed(found);
@@ -202,23 +203,20 @@ class SpikeSearch {
         }
     }
 
-    // Finds the neighbours of each sample of some turns, and the tolerance of these turns. A turn through a breakout
-    // has a larger median distance, which is due to shape and not to noise; so the median turn counts.
-    void judge(std::size_t start, std::size_t stop) {
-        begin_ = rings_.first[start];
-        of_.clear();
+    // Returns the tolerance of some turns. A turn through a breakout has a larger median distance, which is due to
+    // shape and not to noise; so the median turn counts.
+    double tolerance_of(std::size_t start, std::size_t stop) const {
         std::vector<double> turns, off;
-        for (std::size_t r = start; r < stop; ++r) {
+        for (std::size_t r = start; r < stop; r += std::max<std::size_t>(1, (stop - start) / measured_together)) {
             off.clear();
             for (std::size_t i = rings_.first[r]; i < rings_.first[r + 1]; ++i) {
-                of_.push_back(neighbours(rings_, i));
-                const double distance = std::abs(rings_.radius[i] - of_.back().median);
+                const double distance = std::abs(rings_.radius[i] - neighbours(rings_, i).median);
                 off.push_back(std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance);
             }
             turns.push_back(lower_median(off));
         }
         const double deviation = of_median * lower_median(turns);
-        tolerance_ = threshold_ * std::max(std::isfinite(deviation) ? deviation : 0.0, floor_);
+        return threshold_ * std::max(std::isfinite(deviation) ? deviation : 0.0, floor_);
     }
 
     bool beyond(std::size_t i, const Neighbours& of) const {
@@ -257,7 +255,7 @@ class SpikeSearch {
             if (end == k || end - k > std::max<std::size_t>(1, std::min(longest_burst, count / 3))) continue;
             const auto differs = [&](std::size_t of, std::size_t beside) {
                 return std::abs(rings_.radius[of] - rings_.radius[beside]) > 0.5 * tolerance_ ||
-                       beyond(beside, of_[beside - begin_]);
+                       beyond(beside, neighbours(rings_, beside));
             };
             if (!differs(place(k), place(k - 1)) || !differs(place(end - 1), place(end))) continue;
             for (std::size_t one = k; one < end; ++one) found.push_back(place(one));
@@ -323,8 +321,7 @@ class SpikeSearch {
     double threshold_, floor_;
     std::vector<double> tolerances_;  // of each sample found
     Index unjudged_ = 0;
-    std::size_t begin_ = 0;  // of the turns judged last: their first sample, the neighbours of each, the tolerance
-    std::vector<Neighbours> of_;
+    std::size_t begin_ = 0;  // the first sample of the turns that are searched
     double tolerance_ = 0.0;
 };
 
@@ -338,8 +335,8 @@ std::optional<std::vector<Index>> turns_by_rotation(std::span<const double> tool
     std::vector<bool> has_samples(toolface.size());
     for (std::size_t i = 0; i < row.size(); ++i) {
         rows[i] = read_once(row[i]);
-        require(rows[i] >= 0 && rows[i] < static_cast<Index>(toolface.size()), entry_name("row", static_cast<Index>(i)),
-                rows[i], "must be one of the rows of toolface");
+        if (rows[i] < 0 || rows[i] >= std::ssize(toolface))
+            require(false, entry_name("row", static_cast<Index>(i)), rows[i], "must be one of the rows of toolface");
         has_samples[static_cast<std::size_t>(rows[i])] = true;
     }
     double last = none;

@@ -93,7 +93,7 @@ def spikes(
         4  its turn is at most a metre long: in a longer one the tool slides, and its samples are not of one place
 
     The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
-    samples from the medians of their neighbours; each hundred turns use their median deviation.
+    samples from the medians of their neighbours; each hundred turns use the median deviation of every fourth.
 
     Parameters
     ----------
