@@ -1,6 +1,7 @@
 """Measure how often the 95 % interval of a drift holds the drift of the true hole, and how long a drift takes.
 
     python -m bench.accuracy.passage [SEEDS] [FIRST]     seeds for each kind of hole (3), and the first seed (1000)
+    python -m bench.accuracy.passage forms [CASES] [FIRST]   cases of each closed form (20), and the first seed (1000)
     python -m bench.accuracy.passage times
 
 Each hole is 30 m of 8.5 in hole with a spiral, bumps, and one of none, breakouts or washouts. "smooth" is no rougher
@@ -14,7 +15,13 @@ kind of hole, tool and length:
 
 The last rows are those of all classes, each class counted alike.
 
-"times": processor seconds for 1,000 m of hole at a pitch of 0.1 m, on one thread.
+"forms": greatest difference of a drift from the one that is known, mm. A disc fits a round section if its centre lies
+within R - rho of the section's, so a spiral loses 2 min over axes of max over depth of the distance between axis and
+centre line: a convex problem, solved here by cutting planes. A bend costs the arc's height, a ledge its step; an
+ellipse has its short axis, a slotted circle the bit. A wall has a ledge somewhere between turns, over g = 1.5 pitches
+at opposite toolfaces, in which a body of length L may lean: the drift lies up to 2 step g / (L + g) above bit - step.
+
+"times": processor seconds for 1,000 m of hole at a pitch of 0.1 m, on one thread: drifts, and zones with their kinds.
 """
 
 from __future__ import annotations
@@ -25,6 +32,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
+from scipy.optimize import linprog
 
 import helibore as hb
 from helibore.base.arrays import Floats
@@ -113,6 +121,68 @@ def coverage(seeds: range) -> None:
         )
 
 
+def least_distance(x: Floats, y: Floats, along: Floats) -> float:
+    """Return the least greatest distance between points of a line and any straight axis."""
+    cuts: list[list[float]] = []
+    axis, least = np.zeros(4), 0.0
+    for _ in range(300):
+        off = (x - axis[0] - along * axis[1]) + 1j * (y - axis[2] - along * axis[3])
+        far = int(np.argmax(abs(off)))
+        if abs(off[far]) - least < 1e-8:
+            break
+        new = {far, *np.flatnonzero(abs(off) > 0.9 * abs(off[far]))[:: max(1, off.size // 20)]}
+        for at in sorted(new):
+            u = off[at] / abs(off[at])
+            cuts.append([u.real, u.imag, x[at] * u.real + y[at] * u.imag, along[at]])
+        of = np.array(cuts)
+        left = -np.column_stack([of[:, 0], of[:, 0] * of[:, 3], of[:, 1], of[:, 1] * of[:, 3], np.ones(len(of))])
+        found = linprog([0, 0, 0, 0, 1], A_ub=left, b_ub=-of[:, 2], bounds=[(-0.1, 0.1)] * 4 + [(0, 1)])
+        axis, least = found.x[:4], found.x[4]
+    return float(abs(off[far]))
+
+
+def form(name: str, rng: np.random.Generator) -> float:
+    """Return how far a drift by the core is from the known one, metres."""
+    length, sectors, pitch, path, lean = float(rng.uniform(0.4, 3.0)), 64, 0.02, None, 0.0
+    turns = int(length / pitch) + 40
+    depth, toolface = (np.arange(turns * sectors) * of / sectors for of in (pitch, 360.0))
+    toolface = toolface % 360
+    if name == "spiral":
+        offset, period = rng.uniform(0.002, 0.01), rng.uniform(0.6, 5.0)
+        phase = 2 * np.pi * depth / period
+        radius = offset_circle(offset * np.cos(phase), offset * np.sin(phase), BIT / 2, toolface)
+        z = np.linspace(-0.5, 0.5, 2001)
+        around = 2 * np.pi * z * length / period
+        known = BIT - 2 * least_distance(offset * np.cos(around), offset * np.sin(around), z)
+    elif name == "dogleg":
+        build, length, sectors, pitch = rng.uniform(1, 15), float(rng.uniform(1, 9)), 256, 0.1
+        path = hb.Survey([-10, 60], [20, 20 + build * 70 / 30], [40, 40]).path()
+        radius = np.full(int(length / pitch + 20) * sectors, BIT / 2)
+        bend = 30 / np.radians(build)
+        known = np.sqrt((bend + BIT / 2) ** 2 - length**2 / 4) - (bend - BIT / 2)
+    elif name == "ledge":
+        step, towards = rng.uniform(0.002, 0.012), np.exp(1j * rng.uniform(0, 6.28)) * (depth > depth[-1] / 2)
+        radius = offset_circle(step * towards.real, step * towards.imag, BIT / 2, toolface)
+        known, lean = BIT - step, 3 * step * pitch / (length + 1.5 * pitch)
+    elif name == "ellipse":
+        axes, angle = (BIT / 2 + rng.uniform(0, 0.03), BIT / 2), np.radians(toolface)
+        radius = 1 / np.hypot(np.cos(angle) / axes[0], np.sin(angle) / axes[1])
+        known = BIT
+    else:
+        away = abs((toolface - rng.uniform(0, 360) + 180) % 360 - 180)
+        radius = BIT / 2 + np.where(away < rng.uniform(10, 60), rng.uniform(0.01, 0.04), 0.0)
+        known = BIT
+    settings = Settings(bit_diameter=BIT, sectors=sectors, pitch=pitch)
+    drift = drift_of(SimpleNamespace(settings=settings, start_depth=0.0, radius=radius, path=path, threads=1), length)
+    return float(max(known - drift.least, drift.least - known - lean, 0.0))
+
+
+def forms(cases: range) -> None:
+    for number, name in enumerate(("spiral", "dogleg", "ledge", "ellipse", "slot")):
+        found = [form(name, np.random.default_rng([seed, number])) for seed in cases]
+        print(f"{name:8s} off by at most {1e3 * max(found):.4f} mm in {len(found)} cases", flush=True)
+
+
 def times() -> None:
     rng = np.random.default_rng(0)
     k = np.arange(10_000 * SECTORS)
@@ -123,11 +193,27 @@ def times() -> None:
             start = time.process_time()
             drift_of(wall, length, sigma)
             print(f"{length:4.1f} m{name}: {time.process_time() - start:.2f} s", flush=True)
+    for tool, (per_turn, arms) in {"64 a turn": (64, 0), "4 arms, 5 cm": (8, 4)}.items():
+        k = np.arange(10_000 * per_turn)
+        depth, toolface = k * PITCH / per_turn, k * 360 / per_turn % 360
+        if arms:
+            depth, toolface = np.floor(k / arms) * PITCH * arms / per_turn, (k % arms * 90 + 7 * depth) % 360
+        samples = hb.Caliper(
+            depth, toolface, hole("rough", rng)(depth % LENGTH, toolface), arm=k % arms if arms else None
+        )
+        made = hb.reconstruct(samples, bit_diameter=BIT, threads=1)
+        start = time.process_time()
+        zones = made.zones().zones
+        print(f"kinds, {tool}: {time.process_time() - start:.2f} s, {len(zones)} zones", flush=True)
 
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["times"]:
         times()
+    elif sys.argv[1:2] == ["forms"]:
+        numbers = [int(text) for text in sys.argv[2:]]
+        first = numbers[1] if len(numbers) > 1 else 1000
+        forms(range(first, first + (numbers[0] if numbers else 20)))
     else:
         numbers = [int(text) for text in sys.argv[1:]]
         first = numbers[1] if len(numbers) > 1 else 1000
