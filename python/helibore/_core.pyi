@@ -183,6 +183,7 @@ def find_zones(
     bit_diameter: float,
     criteria: tuple[float, float, float, float, float, float, float, float],
     chained: tuple[Floats, Integers] | None,
+    samples: tuple[Floats, Floats, Floats],
     libraries: SectionLibraries,
     threads: int,
 ) -> tuple[Integers8, list[_Zone]]: ...

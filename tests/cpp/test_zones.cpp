@@ -31,8 +31,8 @@ struct RoundTurns {
         mean = size, zero.assign(radii.size(), 0.0), one.assign(radii.size(), 1.0), missing.assign(radii.size(), nan);
     }
     MeasuredTurns turns() const {
-        const MeasuredTurns::Lobe none{missing, missing, missing, missing};
-        return {depth, one, one, mean, size, zero, size, size, size, zero, zero, {{none, none}}, sections, uneven};
+        const MeasuredTurns::Lobe none{missing, missing, missing};
+        return {depth, one, one, mean, size, zero, size, size, size, zero, zero, {{none, none}}, sections, uneven, {}};
     }
     TurnVertices vertices() const { return {radius, sectors, 0.0, 0.1}; }
 };

@@ -54,6 +54,13 @@ std::vector<double> turn_sections(const HelixVertices& vertices, std::span<const
 // `height`: of a turn, metres.
 std::vector<double> sparse_turns(std::span<const double> sections, double height);
 
+// The samples of a wall, in order of depth, as Wall::samples returns them. Borrowed.
+struct ZoneSamples {
+    SamplePlaces places;
+    std::span<const double> radius;
+    ArmSamples arms{};  // the same samples in any order, with the arm of each; empty: the arms are not known
+};
+
 // What the turns of a wall measure: one value for each turn, as in TurnLogs and UnwornTurns. Borrowed.
 struct MeasuredTurns {
     std::span<const double> depth;              // of the middle, metres
@@ -61,13 +68,14 @@ struct MeasuredTurns {
     std::span<const double> mean, c1, c1_toolface, c2, least_diameter;
     std::span<const double> unworn_diameter, unworn_0, unworn_90;
     struct Lobe {
-        std::span<const double> toolface, width, height, pipe;
+        std::span<const double> toolface, width, height;
     };
     std::array<Lobe, 2> lobes;
     std::span<const double> sections;  // section_parts for each turn, as turn_sections returns them
     // Of a tool with few arms: c1, c2 and least_diameter are diameters that its arms measured, and this is the
     // difference of the radii at the two ends of c1, 0 if diameters were measured. Empty: all around the wall.
     std::span<const double> uneven;
+    ZoneSamples samples{};  // that pipes are fitted to; without them, to the vertices
 };
 
 // The vertices of these turns. Borrowed.
@@ -99,7 +107,7 @@ struct Zone {
     double peak;                     // depth of the enlargement
     double coverage;                 // mean, also of the gaps
     double confidence;               // probability of the kind, 0.5 or more
-    double pipe_diameter;            // that fits the bottom of a key seat
+    double pipe_diameter;            // that fits the bottom of a key seat; NaN if few samples or a shallow slot show it
     double toolface, deviation;      // axis in [0, 180) of a breakout or direction of a key seat, and its spread
     std::array<ZoneLobe, 2> lobes;   // two of a breakout, one of a key seat
 };
@@ -114,13 +122,6 @@ struct Zones {
 Zones find_zones(const MeasuredTurns& turns, const TurnVertices& vertices, double bit_diameter,
                  const ZoneCriteria& criteria, const ChainedTurns& chained, const SectionLibraries& libraries,
                  int threads = 1);
-
-// The samples of a wall, in order of depth, as Wall::samples returns them. Borrowed.
-struct ZoneSamples {
-    SamplePlaces places;
-    std::span<const double> radius;
-    ArmSamples arms{};  // the same samples in any order, with the arm of each; empty: the arms are not known
-};
 
 // The zones of a wall, and the measures of its turns that they were found from.
 struct WallZones : Zones {

@@ -80,9 +80,7 @@ WallZones wall_zones(const HelixVertices& vertices, std::span<const double> give
         for (double& of : beyond) of -= bit_diameter / 2.0;
         out.along = kinds_along(beyond, height, out.sparse, libraries.of(even), {}, threads);
     }
-    const auto lobe = [](const TurnLobes& of) {
-        return MeasuredTurns::Lobe{of.toolface, of.width, of.height, of.pipe};
-    };
+    const auto lobe = [](const TurnLobes& of) { return MeasuredTurns::Lobe{of.toolface, of.width, of.height}; };
     const MeasuredTurns measures{.depth = depth,
                                  .coverage = marks.coverage,
                                  .sampled = marks.sampled,
@@ -96,7 +94,8 @@ WallZones wall_zones(const HelixVertices& vertices, std::span<const double> give
                                  .unworn_90 = out.unworn.centre_90,
                                  .lobes{{lobe(out.unworn.lobes[0]), lobe(out.unworn.lobes[1])}},
                                  .sections = sections,
-                                 .uneven = out.arms.c1_uneven};
+                                 .uneven = out.arms.c1_uneven,
+                                 .samples = samples};
     found =
         find_zones(measures, of_turns, bit_diameter, criteria, {out.along.kinds, out.along.seen}, libraries, threads);
     return out;

@@ -13,6 +13,7 @@
 #include "base/trigonometry.hpp"
 #include "helibore/unworn.hpp"
 #include "measure/lobes.hpp"
+#include "measure/slots.hpp"
 #include "samples/helix.hpp"
 
 namespace helibore {
@@ -27,9 +28,10 @@ constexpr Index least_seen = 6;        // parts that samples see around a turn t
 constexpr double together = 0.25;      // metres above and below a turn with few samples that make its section
 constexpr std::size_t compared = 6;    // most turns of a zone that are compared with the library
 constexpr double opposite = 140.0;     // least degrees between opposite lobes
-constexpr double widest_key_seat = 150.0;  // degrees
-constexpr double one_axis = 1e-3;          // degrees; arms whose axes deviate less do not turn
-constexpr double rounding = 1e-9;          // metres
+constexpr double widest_key_seat = 150.0;                // degrees
+constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
+constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
+constexpr double rounding = 1e-9;                        // metres
 
 struct Heights {
     std::vector<double> lower, higher;  // of the lobe opposite to the highest, 0 without one, and of the highest
@@ -293,7 +295,7 @@ class Finder {
                  .toolface = missing,
                  .deviation = missing,
                  .lobes{{{missing, missing, missing}, {missing, missing, missing}}}};
-        std::vector<double> measures, pipes;
+        std::vector<double> measures;
         for (const std::size_t turn : run.inside) {
             const double size = (under ? turns_.least_diameter[turn] : turns_.c1[turn]) - bit_;
             const double measure = measure_of(run.kind, turn), elongation = turns_.c1[turn] - turns_.c2[turn];
@@ -302,16 +304,16 @@ class Finder {
             if (is_first || elongation > out.elongation) out.elongation = elongation;
             if (is_first || is_beyond(size, out.enlargement)) out.enlargement = size, out.peak = turns_.depth[turn];
             measures.push_back(measure);
-            if (const double pipe = turns_.lobes[0].pipe[turn]; std::isfinite(pipe)) pipes.push_back(pipe);
         }
         for (std::size_t turn = run.first; turn < run.stop; ++turn) out.coverage += turns_.coverage[turn];
         out.coverage /= static_cast<double>(run.stop - run.first);
         out.median = median(std::move(measures));
         const double limit = limit_of(run.kind);
         out.severity = limit != 0.0 ? out.measure / limit : std::numeric_limits<double>::infinity();
-        if (run.kind == HoleKind::key_seat && !arms_) out.pipe_diameter = median(std::move(pipes));
         if (run.kind == HoleKind::breakout || run.kind == HoleKind::key_seat)
             arms_ ? add_lobes_of_arms(run, out) : add_lobes(run, out);
+        if (run.kind == HoleKind::key_seat && !arms_)
+            out.pipe_diameter = pipe_diameter(slot_of(run, out.toolface), bit_);
         return out;
     }
 
@@ -353,6 +355,45 @@ class Finder {
         for (std::size_t side = 0; side < (both ? 2U : 1U); ++side)
             zone.lobes[side] = lobe_of(total, zone.toolface + 180.0 * static_cast<double>(side), start_toolface_,
                                        criteria_.opening_level);
+    }
+
+    // Returns the samples in the bottom of a key seat, in those of its turns where it is nearly as high as in most.
+    // Readings show a pipe that the wall, which smooths them, makes wider.
+    std::vector<SlotPoint> slot_of(const Run& run, double toolface) const {
+        std::vector<double> tops;
+        for (const std::size_t turn : run.inside)
+            if (const double top = turns_.lobes[0].height[turn]; std::isfinite(top)) tops.push_back(top);
+        const double top = median(std::move(tops));
+        std::vector<std::uint8_t> counts(run.stop - run.first);
+        for (const std::size_t turn : run.inside)
+            counts[turn - run.first] = turns_.lobes[0].height[turn] >= slot_height * top ? 1 : 0;
+        const SineCosine direction = sine_cosine(toolface);
+        std::vector<SlotPoint> points;
+        const auto add = [&](std::size_t turn, double radius, const SineCosine& of) {
+            if (turn < run.first || turn >= run.stop || counts[turn - run.first] == 0) return;
+            const double x = radius * of.cosine - turns_.unworn_0[turn], y = radius * of.sine - turns_.unworn_90[turn];
+            const double along = x * direction.cosine + y * direction.sine,
+                         across = y * direction.cosine - x * direction.sine;
+            const double height = std::sqrt(x * x + y * y) - turns_.unworn_diameter[turn] / 2.0;
+            if (along > 0.0 && height >= slot_bottom * top) points.push_back({turn, along, across});
+        };
+        const auto& [depth, of_sample] = turns_.samples.places;
+        if (depth.empty()) {
+            for (std::size_t i = run.first * sectors_; i < run.stop * sectors_; ++i)
+                add(i / sectors_, vertices_.radius[i], directions_[i % sectors_]);
+            return points;
+        }
+        const double low = std::min(turns_.depth[run.first], turns_.depth[run.stop - 1]) - height_,
+                     high = std::max(turns_.depth[run.first], turns_.depth[run.stop - 1]) + height_;
+        const double start = turns_.depth[0] - vertices_.pitch * (1.0 - 1.0 / static_cast<double>(sectors_)) / 2.0;
+        for (auto i = static_cast<std::size_t>(std::ranges::lower_bound(depth, low) - depth.begin());
+             i < depth.size() && depth[i] <= high; ++i) {
+            const double turn = std::floor((depth[i] - start) / vertices_.pitch), radius = turns_.samples.radius[i];
+            if (turn >= 0.0 && turn < static_cast<double>(count_) && std::isfinite(radius))
+                add(static_cast<std::size_t>(turn), radius, sine_cosine(of_sample[i]));
+        }
+        std::ranges::stable_sort(points, {}, &SlotPoint::turn);  // on a wall that grows upwards they are not in order
+        return points;
     }
 
     // The radii of the wall decide which end of C1 is higher.
@@ -438,12 +479,13 @@ void require_lengths(const MeasuredTurns& turns, const TurnVertices& vertices, c
         {"lobe1_toolface", turns.lobes[0].toolface},
         {"lobe1_width", turns.lobes[0].width},
         {"lobe1_height", turns.lobes[0].height},
-        {"lobe1_pipe", turns.lobes[0].pipe},
         {"lobe2_toolface", turns.lobes[1].toolface},
         {"lobe2_height", turns.lobes[1].height},
     };
     for (const auto& [name, column] : columns) require_length(name, column.size(), count);
     require_length("sections", turns.sections.size(), section_parts * count, "32 times depth");
+    require_length("toolface", turns.samples.places.toolface.size(), turns.samples.places.depth.size());
+    require_length("radius", turns.samples.radius.size(), turns.samples.places.depth.size());
     if (!turns.uneven.empty()) require_length("uneven", turns.uneven.size(), count);
     if (!chained.kinds.empty() || !chained.seen.empty()) {
         require_length("kinds", chained.kinds.size(), hole_kinds * count, "5 times depth");

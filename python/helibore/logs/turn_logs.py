@@ -784,7 +784,7 @@ def _alike(wall: WallLike, depth: Floats) -> Floats:
 
     Vertices that share their neighbours share their errors: dense samples make that part smaller.
     """
-    columns = _columns_of_samples(wall)
+    columns = columns_of_samples(wall)
     if not columns:
         return np.ones(depth.size)
     settings = wall.settings
@@ -834,7 +834,7 @@ def sections_of(measure: Callable[[], Floats]) -> LateColumns:
     return LateColumns(("section",), lambda: {"section": measure()})
 
 
-def _columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:
+def columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:
     """Return depth, toolface and radius of the samples in the order of depth; () for a wall without them."""
     columns: tuple[Floats, ...] = getattr(wall, "sample_columns", ())
     if not columns and hasattr(wall, "samples"):
@@ -845,7 +845,7 @@ def _columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:
 def _sections(wall: WallLike, turns: int) -> LateColumns:
     """Return `Logs.sections`; the columns of ``wall`` are taken now, so that a later append does not change them."""
     helix, K = whole_helix(wall), wall.settings.sectors
-    columns = _columns_of_samples(wall)
+    columns = columns_of_samples(wall)
     if not columns:
         radius = column("radius", wall.radius)[: turns * K]
         measure = partial(_core.vertex_sections, helix, radius)

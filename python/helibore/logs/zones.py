@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Integers8, column
+from helibore.base.arrays import Floats, Integers8, column
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
@@ -35,7 +35,7 @@ from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
 from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.likely_kinds import section_libraries
-from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, turn_logs
+from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_samples, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria
 from helibore.samples.helix import WallLike
 
@@ -62,8 +62,7 @@ SURE, LIKELY = 0.8, 0.5
 """Least `Zone.confidence` of a zone whose kind is sure, and of any zone."""
 READ = (
     "depth", "coverage", "sampled", "mean", "c1", "c1_toolface", "c2", "least_diameter", "unworn_diameter", "unworn_0",
-    "unworn_90", "lobe1_toolface", "lobe1_width", "lobe1_height", "lobe1_pipe", "lobe2_toolface", "lobe2_width",
-    "lobe2_height", "lobe2_pipe",
+    "unworn_90", "lobe1_toolface", "lobe1_width", "lobe1_height", "lobe2_toolface", "lobe2_width", "lobe2_height",
 )  # fmt: skip
 """Columns of logs that the core finds zones from, in its order."""
 NUMBERS = (
@@ -110,8 +109,8 @@ class Zone:
         likely and that may be gauge is no zone. 0.5 if the hole is certainly not gauge but resembles no section of a
         known kind, or those of several kinds alike: then only the criteria say its kind.
     pipe_diameter
-        Of a key seat that a wall shows: median, over the turns, of the diameter of the pipe that fits its bottom,
-        metres. NaN for other kinds.
+        Of a key seat: diameter of the pipe that fits the samples in its bottom, metres. NaN where they do not show it
+        to within 2 mm (standard deviation, in a hole of 8.5 in), as with few samples a turn; NaN for other kinds.
     toolface
         Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; NaN for other kinds.
     deviation
@@ -296,10 +295,16 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
         logs.bit_diameter,
         tuple(getattr(criteria, name) for name in LIMITS),
         None if along is None else (along.kinds.ravel(), along.seen),
+        _samples_of(wall),
         section_libraries(logs.bit_diameter, criteria),
         thread_count(getattr(wall, "threads", None)),
     )
     return Classification(logs, kind, tuple(_zone(*row) for row in rows), criteria)
+
+
+def _samples_of(wall: WallLike) -> tuple[Floats, Floats, Floats]:
+    found = columns_of_samples(wall) or (np.empty(0),) * 3
+    return column("depth", found[0]), column("toolface", found[1]), column("radius", found[2])
 
 
 def _logs_of(wall: WallLike) -> Logs:

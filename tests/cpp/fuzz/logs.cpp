@@ -130,11 +130,17 @@ void fuzz_zones(Input& input) {
                radius = filled(turns * static_cast<std::size_t>(sectors), 0.11, 0.05),
                uneven = filled(input.one_in(2) ? 0 : turns, 0.0, 0.02),
                kinds = filled(input.one_in(2) ? 0 : turns * helibore::hole_kinds, 0.3, 0.5);
+    const std::size_t samples = input.one_in(2) ? 0 : input.below(200);
+    auto depths = filled(samples, 2.0, 4.0);
+    std::ranges::sort(depths);
+    const auto toolfaces = filled(samples, 180.0, 360.0), radii = filled(samples, 0.11, 0.05);
     const std::vector<Index> seen(kinds.size() / helibore::hole_kinds, 9);
-    const helibore::MeasuredTurns::Lobe first{toolface, width, height, size}, second{width, width, share, size};
-    const helibore::MeasuredTurns measures{depth,    share, share, size,  size,     toolface,
-                                           across,   least, size,  width, toolface, {{first, second}},
-                                           sections, uneven};
+    const helibore::MeasuredTurns::Lobe first{toolface, width, height}, second{width, width, share};
+    const helibore::MeasuredTurns measures{depth,    share,    share,
+                                           size,     size,     toolface,
+                                           across,   least,    size,
+                                           width,    toolface, {{first, second}},
+                                           sections, uneven,   {{depths, toolfaces}, radii}};
     helibore::ZoneCriteria criteria;
     criteria.least_length = input.one_of({0.3, 0.0, 0.1}), criteria.join = input.one_of({1.0, 0.0, 0.2});
     const double bit = input.mostly_of({0.216, 0.1});
@@ -148,6 +154,7 @@ void fuzz_zones(Input& input) {
                  "zones on three threads");
     for (const helibore::Zone& zone : found.zones) {
         require_rule(zone.start <= zone.stop, "ends of a zone");
+        require_rule(!(zone.pipe_diameter <= 0.0) && !(zone.pipe_diameter >= bit), "pipe of a zone");
         require_rule(!(zone.toolface < 0.0) && !(zone.toolface >= 360.0), "toolface of a zone");
     }
 }

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 import helibore as hb
 from helibore import _core
@@ -226,6 +227,36 @@ def fall(values: Floats, level: float) -> float:
     return len(values) - 1.0
 
 
+def pipe_of(wall: hb.Wall, logs: Logs, inside: list[int], toolface: float) -> float:
+    """Return the diameter of the circle that fits the samples in a slot; all its numbers are fitted at once."""
+    top = np.nanmedian(logs.lobe1_height[inside]) if np.isfinite(logs.lobe1_height[inside]).any() else math.nan
+    edge = wall.start_depth + wall.settings.pitch * np.arange(len(logs) + 1)
+    points = []
+    for turn in inside:
+        low, high = sorted(edge[turn : turn + 2])
+        here = (wall.samples.depth >= low) & (wall.samples.depth <= high) & (logs.lobe1_height[turn] >= 0.8 * top)
+        place = wall.samples.radius[here] * np.exp(1j * np.radians(wall.samples.toolface[here]))
+        place = (place - logs.unworn_0[turn] - 1j * logs.unworn_90[turn]) * np.exp(-1j * np.radians(toolface))
+        place = place[(abs(place) - logs.unworn_diameter[turn] / 2 >= 0.35 * top) & (place.real > 0)]
+        points += [(turn, of) for of in place]
+    if not points:
+        return math.nan
+    of_turn, place = np.array([of[0] for of in points]), np.array([of[1] for of in points])
+    turns, number = np.unique(of_turn, return_inverse=True)
+    if len(points) < turns.size + 3:
+        return math.nan
+
+    def off(numbers: Floats) -> Floats:
+        return np.asarray(abs(place - numbers[2:][number] - 1j * numbers[1]) - numbers[0])
+
+    start = [BIT / 4, 0.0, *(place.real[number == k].max() - BIT / 4 for k in range(turns.size))]
+    found = least_squares(off, start, method="lm", xtol=1e-14, ftol=1e-14, max_nfev=20000)
+    variance = (2 * found.cost + 4e-6) / (len(points) - turns.size - 2 + 4)
+    known = found.jac.T @ found.jac + 1e-9 * np.eye(len(start))
+    sure = 2 * math.sqrt(variance * np.linalg.inv(known)[0, 0]) <= 0.002 and 0.1 * BIT < found.x[0] < BIT / 2
+    return 2 * float(found.x[0]) if sure else math.nan
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("tool", TOOLS)
 @pytest.mark.parametrize("keen", [False, True])
@@ -266,9 +297,8 @@ def test_zones_are_those_of_the_rules_turn_by_turn(tool: str, shape: str, keen: 
         assert zone.severity == zone.measure / criteria.limits()[zone.kind]
         assert zone.coverage == pytest.approx(logs.coverage[run.start : run.stop].mean(), rel=1e-12)
         assert zone.confidence == pytest.approx(confidence, rel=1e-9)
-        pipes = logs.lobe1_pipe[inside]
-        pipes = pipes[np.isfinite(pipes)] if code == KEY_SEAT and not of.arms else pipes[:0]
-        assert zone.pipe_diameter == pytest.approx(np.median(pipes) if pipes.size else math.nan, nan_ok=True)
+        pipe = pipe_of(wall, logs, inside, zone.toolface) if code == KEY_SEAT and not of.arms else math.nan
+        assert zone.pipe_diameter == pytest.approx(pipe, abs=1e-6, nan_ok=True)
         if code not in (BREAKOUT, KEY_SEAT):
             assert math.isnan(zone.toolface)
             assert zone.lobes == ()
@@ -299,3 +329,24 @@ def test_sections_are_means_of_samples_by_turn_and_part(pitch: float) -> None:
             away = np.abs((toolface - part * 360 / PARTS + 180) % 360 - 180)
             values = radius[inside & (away < 180 / PARTS)]
             assert section[turn, part] == pytest.approx(values.mean() if values.size else math.nan, nan_ok=True)
+
+
+@pytest.mark.parametrize(("per_turn", "pipe", "deep", "known"), [
+    (64, 0.0889, 0.010, True), (64, 0.1651, 0.030, True), (24, 0.127, 0.025, True), (24, 0.0889, 0.010, False),
+    (8, 0.127, 0.025, False),
+])  # fmt: skip
+def test_the_pipe_of_a_slot_is_known_where_samples_show_it(
+    per_turn: int, pipe: float, deep: float, known: bool
+) -> None:
+    rng = np.random.default_rng(5)
+    turns = np.arange(2 * 10 * per_turn) / per_turn
+    toolface = 360 * turns + rng.uniform(-2, 2, turns.size)
+    centre = BIT / 2 + deep - pipe / 2
+    angle = np.radians(toolface - 130)
+    left = np.maximum((pipe / 2) ** 2 - (centre * np.sin(angle)) ** 2, 0)
+    radius = np.maximum(BIT / 2, np.where((left > 0) & (np.cos(angle) > 0), centre * np.cos(angle) + np.sqrt(left), 0))
+    samples = hb.Caliper(turns / 10, toolface, radius + rng.normal(0, 0.0005, turns.size))
+    (zone,) = hb.reconstruct(samples, bit_diameter=BIT).zones().zones
+    assert zone.kind == "key seat"
+    assert math.isnan(zone.pipe_diameter) == (not known)
+    assert not known or zone.pipe_diameter == pytest.approx(pipe, abs=0.004)
