@@ -130,6 +130,22 @@ def test_the_read_out_of_a_phone_says_why_a_value_is_missing(browser: Any) -> No
         screen.close()
 
 
+def test_the_log_of_a_phone_is_as_high_in_a_zone_as_outside_and_comes_to_rest(browser: Any) -> None:
+    """The depth in words is that of the middle: where a zone made it higher, it changed section and middle."""
+    with hb.view(MadeWall(40_000), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "", (390, 844), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        screen.settle()
+        heights = set()
+        for depth in (1010.0, "window.__wall.app.zones[0].start + 0.1"):
+            screen.evaluate(f"window.__wall.app.view.point({{ depth: {depth}, toolface: 10 }}, true)")
+            screen.settle()
+            heights.add(screen.evaluate("window.__wall.app.renderer.rects.image.height"))
+        assert screen.inner_text("#briefZone") not in ("", "no zone")
+        assert len(heights) == 1
+        screen.close()
+
+
 def test_a_tab_without_zones_says_so(browser: Any) -> None:
     caliper = hb.Caliper.gauge(2000.0, 2010.0, 0.216)
     with hb.view(hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)) as viewer:

@@ -126,7 +126,7 @@ export function reflect(view, quantity, image) {
   }
   const unit = unitOf(quantity, view.units);
   say('rangeUnit', unit);
-  say('colourText', `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim());
+  say('colourText', `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale)).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim());
 }
 
 // Return the values at the cursor as pairs of name and text; an unknown value is a dash. Without a cursor, return the depths in
@@ -167,9 +167,8 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   const values = Object.fromEntries([...read, ...figures]);
   byId('briefDepth').textContent = showDepth(depth, view.units);
   const zone = zoneAt(zones, depth);
-  byId('briefZone').hidden = !zone;
-  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
-  if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
+  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : 'no zone'; // one line, always: the log below keeps its height
+  byId('briefZone').style.borderColor = zone ? PALETTES[view.theme].zones[zone.kind] : '';
   const lacks = typeof view.cursor?.toolface === 'number' ? 'no data' : 'tap image'; // a depth alone is on no quad
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
   const tvd = path.tvd(depth);
