@@ -219,6 +219,36 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     screen.close()
 
 
+def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall(browser: Any) -> None:
+    wall = MadeWall(60_000)
+    with hb.view(wall, path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1015&sec=10&camera=down", (1366, 768))
+        screen.settle()
+        bare = screen.evaluate("document.getElementById('ink').getContext('2d').getImageData(900, 300, 1, 1).data[3]")
+        near = "(({ path, renderer: { gpu, rects } }) => gpu.project(path.at(%f), rects.wall))(window.__wall.app)"
+        assert screen.evaluate(near % 1012.0), "from the top of the section"
+        screen.evaluate("window.__wall.app.view.point({ depth: 1018, toolface: 20 }, true)")
+        viewer.scene.change_picks(
+            lambda picks: picks.put(Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0))
+        )
+        screen.until("document.getElementById('ink').labels.some(({ text }) => /° to /.test(text))")
+        screen.settle()
+        assert screen.evaluate(near % 1012.0) is None, "behind the eye"
+        across = screen.evaluate(near % 1018.0)
+        assert across, "before it"
+        (pick,) = viewer.scene.picks
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert "{:.0f}° to {:.0f}°".format(*pick.dip(curved_path())) in texts
+        veil = screen.evaluate(
+            "(([x, y]) => document.getElementById('ink').getContext('2d').getImageData(x, y, 1, 1).data[3])"
+            f"([{across[0]} + 40, {across[1]} + 10])"
+        )
+        assert veil == bare == 0
+        screen.keyboard.press("ArrowUp")
+        assert screen.evaluate("[window.__wall.app.view.pinned, window.__wall.app.view.top > 1013]") == [False, True]
+        screen.close()
+
+
 def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any) -> None:
     first = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=RES&cut=north&theme=dark&shape=3")
     first.settle()

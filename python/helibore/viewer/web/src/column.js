@@ -122,8 +122,8 @@ function bitGlyph(ink, x, y, bit, down, palette) {
 }
 
 // Draw the curve of a picked plane on the visible wall: the front of the hole is in the left half, its back in the right half.
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour */
-export function columnCurve(ink, look, plane, colour) {
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {() => void} stroke */
+export function columnCurve(ink, look, plane, stroke) {
   const { view, path, wallRect: rect } = look;
   const { perMetre } = columnScale(look);
   within(ink, rect, () => {
@@ -134,9 +134,7 @@ export function columnCurve(ink, look, plane, colour) {
         const depth = planeDepth(path, plane, leftEdge(path, view.cut, plane.depth).toolface + turn - view.turn);
         ink.lineTo(rect.left + rect.width / 2 - plane.radius * perMetre * Math.cos((turn * Math.PI) / 180), yOf(view, rect, depth));
       }
-      ink.strokeStyle = colour;
-      ink.lineWidth = 2;
-      ink.stroke();
+      stroke();
     }
   });
 }

@@ -23,8 +23,15 @@ export function drawDips(ink, look, planes, gpu) {
   for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
     if (Math.abs(plane.depth - look.view.middle) > look.view.length / 2 + 1.5 * plane.radius * Math.hypot(plane.a, plane.b) + 0.1) continue; // a bent hole lengthens the curve
     const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
-    for (const one of look.images) curve(ink, one, plane, colourOf(plane), palette, dash, plane.pick && plane.pick === planes.selected ? 4 : 2);
-    if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colourOf(plane), gpu);
+    const colour = colourOf(plane);
+    const stroke = () => {
+      ink.setLineDash(dash);
+      outlined(ink, colour, palette, plane.pick && plane.pick === planes.selected ? 4 : 2);
+      ink.setLineDash([]);
+    };
+    for (const one of look.images) curve(ink, one, plane, stroke);
+    if (gpu && look.view.camera === 'straight') columnCurve(ink, look, plane, stroke);
+    else if (gpu) ring(ink, look, plane, colour, stroke, gpu);
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
@@ -94,8 +101,8 @@ export function drawPoints(ink, look, points) {
   }
 }
 
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Palette} palette @param {number[]} dash @param {number} wide */
-function curve(ink, { view, path, rects }, plane, colour, palette, dash, wide) {
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {() => void} stroke */
+function curve(ink, { view, path, rects }, plane, stroke) {
   const { image } = rects;
   const key = `${path.version}/${view.cut}/${image.width}`;
   if (plane.curve?.key !== key) { // a frame that only moves computes no curve anew
@@ -110,9 +117,7 @@ function curve(ink, { view, path, rects }, plane, colour, palette, dash, wide) {
   within(ink, image, () => {
     ink.beginPath();
     depths.forEach((depth, i) => ink.lineTo(image.left + 3 * i, yOf(view, image, depth)));
-    ink.setLineDash(dash);
-    outlined(ink, colour, palette, wide);
-    ink.setLineDash([]);
+    stroke();
   });
 }
 
@@ -148,29 +153,29 @@ function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
   });
 }
 
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Gpu} gpu */
-function disc(ink, { view, path, rects, store }, plane, colour, gpu) {
-  const outside = 1.25 * view.tubeFactor(store);
-  /** @type {Pair[]} */
-  const ring = [];
-  for (let toolface = 0; toolface < 360; toolface += 10) {
-    const at = { depth: planeDepth(path, plane, toolface), toolface, radius: plane.radius * outside };
-    if (at.depth < view.top || at.depth > view.bottom) return; // it leaves the section
-    const seen = gpu.project({ centre: wallPoint(path, at) }, rects.wall);
-    if (!seen) return;
-    ring.push(seen);
-  }
+// Draw a plane in 3-D: from outside a disc wider than the hole, from inside its line on the wall with its dip, so that nothing is veiled.
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {() => void} stroke @param {Gpu} gpu */
+function ring(ink, { view, path, rects, store }, plane, colour, stroke, gpu) {
+  const outside = view.camera === 'outside';
+  const palette = PALETTES[view.theme];
+  const points = Array.from({ length: 73 }, (_, i) => {
+    const at = { depth: planeDepth(path, plane, 5 * i), toolface: 5 * i, radius: plane.radius * (outside ? 1.25 : 1) * view.tubeFactor(store) };
+    return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
+  });
+  if (outside && points.includes(null)) return; // it leaves the section
   within(ink, { ...rects.wall, top: HEAD, height: rects.wall.height - HEAD }, () => {
     ink.beginPath();
-    for (const point of ring) ink.lineTo(...point);
-    ink.closePath();
-    ink.globalAlpha = 0.25;
-    ink.fillStyle = colour;
-    ink.fill();
-    ink.globalAlpha = 1;
-    ink.strokeStyle = colour;
-    ink.lineWidth = 1.5;
-    ink.stroke();
+    points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
+    if (outside) {
+      ink.globalAlpha = 0.25;
+      ink.fillStyle = colour;
+      ink.fill();
+      ink.globalAlpha = 1;
+    }
+    stroke();
+    const highest = points.reduce((top, point) => (point && (!top || point[1] < top[1]) ? point : top), null);
+    const text = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${plane.azimuth.toFixed(0)}°` : `${plane.apparent.toFixed(0)}° apparent`;
+    if (highest && !outside) label(ink, text, highest[0], highest[1] + 14, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 0], [0, 16], [0, 32]], yields: true });
   });
 }
 

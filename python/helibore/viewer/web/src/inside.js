@@ -1,4 +1,4 @@
-// The borehole camera: the eye is on the hole's axis at one end of the section and looks along the axis. The top of the
+// The borehole camera: the eye is on the hole's axis, before the held cursor or else at one end of the section, and looks along the axis. The top of the
 // picture is up or, in a vertical hole, toolface 0. A drag turns the head. The eye moves along the path like a train on rails, and
 // the section with it: by wheel, arrow keys or two fingers, or by itself (V).
 
@@ -16,7 +16,7 @@ const FARTHEST = 1.2; // radians that the head turns at most
 /** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
 export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
   const down = view.camera === 'down';
-  const frame = path.at(down ? view.top : view.bottom);
+  const frame = path.at(eyeDepth({ view, store }));
   const along = eastNorthUp(frame.tangent);
   camera.position = gpu.position(frame);
   camera.lookAt((down ? plus : minus)(camera.position, along), Math.abs(along[2]) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]);
@@ -24,6 +24,17 @@ export function placeInside(camera, gpu, { path, view, store, wallRect }, head) 
   camera.aspect = wallRect.width / Math.max(1, wallRect.height);
   const radius = store.bitRadius * view.tubeFactor(store);
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
+}
+
+const BEFORE = 2.5; // radii of the drawn hole from the eye to the held cursor
+
+// Return the depth of the eye: before the cursor, if it is held in the section, else at the end of the section.
+/** @param {{ view: View, store: Store }} of */
+function eyeDepth({ view, store }) {
+  const { cursor, pinned, top, bottom } = view;
+  const [end, back] = view.camera === 'down' ? [top, -BEFORE] : [bottom, BEFORE];
+  if (!pinned || !cursor || cursor.depth < top || cursor.depth > bottom) return end;
+  return Math.min(bottom, Math.max(top, cursor.depth + back * store.bitRadius * view.tubeFactor(store)));
 }
 
 /** @param {{ left: number, raised: number }} head @param {number} dx @param {number} dy */
@@ -37,10 +48,11 @@ export function turnHead(head, dx, dy) {
 const SPEED = 0.2; // of the section in a second
 export const STEP = 0.025; // of the section, by a key or a notch of the wheel
 
-// Move the eye by `steps` in its direction of view; return whether it moved.
+// Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is let go.
 /** @param {App} app @param {number} steps */
 export function fly({ view, store }, steps) {
-  const { top } = view;
+  const top = view.top + eyeDepth({ view, store }) - (view.camera === 'down' ? view.top : view.bottom);
+  view.release();
   view.show(top + (view.camera === 'up' ? -1 : 1) * STEP * steps * view.length, view.length, store);
   return view.top !== top;
 }
@@ -73,7 +85,7 @@ export function drawInsideInk(ink, look, gpu) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
   const radius = store.bitRadius * view.tubeFactor(store);
-  const eye = view.camera === 'down' ? view.top : view.bottom;
+  const eye = eyeDepth(look);
   const near = Math.max(0.9 * radius, 0.02 * view.length);
   const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));

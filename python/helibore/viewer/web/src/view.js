@@ -39,7 +39,7 @@ const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
-const INK = ['cursor', 'pinned', 'pins', 'follow', 'string']; // what the WebGL picture does not show
+const INK = ['cursor', 'pins', 'follow', 'string']; // what the WebGL picture does not show
 
 // Numbers of an address.
 /** @param {string | null} text */
