@@ -21,12 +21,14 @@ from helibore.cli.terminal import Terminal, echo
 from helibore.cli.token_options import TOKEN
 from helibore.cli.wall_options import (
     BESIDE,
+    PROJECT,
     SCALAR,
     SHOWN,
     TEMPLATE,
     curves_of_files,
     header_of,
     load_picks,
+    on_command_line,
     open_run,
     picks_option,
     refuse_interval,
@@ -92,11 +94,14 @@ def view(**options: Any) -> None:
     options = own_options(run, "view", options)
     refuse_interval(run, options)
     from helibore.base.identity import find_token
-    from helibore.runs.run import make_wall, placing
+    from helibore.runs.run import build_wall, placing, read_run, suit_images
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
-    wall = make_wall(run, options["threads"], terminal.stage).wall
+    images, samples = read_run(run, terminal.stage)
+    chosen = any(file.suffix.lower() == PROJECT for file in options["source"])
+    suit_images(run, images, samples, chosen or on_command_line("pitch") or on_command_line("sectors"))
+    wall = build_wall(run, images, samples, options["threads"], terminal.stage).wall
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
     criteria = criteria_of(wall, options)

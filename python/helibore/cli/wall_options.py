@@ -334,16 +334,18 @@ def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> Non
     for parameter in context.command.params:
         if not isinstance(parameter, SectionOption) or parameter.section not in sections or not parameter.expose_value:
             continue
-        if _given(parameter.name or "") and parameter.name not in allowed:
+        if on_command_line(parameter.name or "") and parameter.name not in allowed:
             raise click.UsageError(f"{parameter.spelled}: does not go with {source}")
 
 
-def _given(name: str) -> bool:
+def on_command_line(name: str) -> bool:
     return click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def _check_numbers(options: dict[str, Any]) -> None:
-    chosen = [name for name in ("estimator", "angular_scale", "nugget", "neighbors", "kriging_range") if _given(name)]
+    chosen = [
+        name for name in ("estimator", "angular_scale", "nugget", "neighbors", "kriging_range") if on_command_line(name)
+    ]
     if options["tune"] and chosen:
         raise click.UsageError(f"{spelled(chosen[0])}: does not go with --tune, which finds it")
     start, stop = options["start_depth"], options["stop_depth"]
@@ -422,7 +424,7 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
     from helibore.runs.project import Input
     from helibore.settings.column_settings import Columns
 
-    given = {name: options[name] for name in options if _given(name)}
+    given = {name: options[name] for name in options if on_command_line(name)}
     groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns, "reading": ReadingSettings}
     over: dict[str, Any] = {
         group: {name: given[name] for name in members(kind) if name in given} for group, kind in groups.items()

@@ -68,6 +68,8 @@ from helibore.wall.archive import opened
 from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
+MOST_CARRYING = 4_000_000
+"""Vertices that a wall may have only to carry images."""
 Stage = Callable[[str, str], AbstractContextManager[None]]
 """A function that takes a stage's name and a text on what it does, and returns the context in which it runs."""
 
@@ -344,6 +346,33 @@ def read_run(
         name = run.readings[0].name
         _check_interval(name, made.caliper, wall)
     return images, (name, made)
+
+
+def suit_images(
+    run: Run, images: list[SectorImage], samples: tuple[str, Caliper | Prepared] | None, chosen: bool
+) -> None:
+    """Give a wall whose shape is not measured, and which only carries images, a turn for each row of its finest image.
+
+    If pitch or sectors are ``chosen``, if a caliper measured the shape, or if the wall would have more than
+    `MOST_CARRYING` vertices, a message says that its turns are coarser than the rows.
+    """
+    wall = run.settings.wall or run.wall.settings
+    rows = [(float(np.median(np.diff(one.depth))), one) for one in images if one.depth.size > 1]
+    step, image = min(rows, key=lambda row: row[0], default=(np.inf, None))
+    if image is None or step >= abs(wall.pitch) * (1 - 1e-6):
+        return
+    pitch, sectors = round(step, 9), max(wall.sectors, image.sectors)
+    each = f"{image.name} has a row each {step:.4g} m"
+    if not chosen and not run.settings.caliper and samples is not None and isinstance(samples[1], Caliper):
+        depth = samples[1].depth
+        if (depth.max() - depth.min()) / pitch * sectors <= MOST_CARRYING:
+            run.settings = replace(
+                run.settings, wall=replace(wall, pitch=np.copysign(pitch, wall.pitch), sectors=sectors)
+            )
+            run.messages.append(("helix", f"{each}, and so has the wall a turn, of {sectors} sectors"))
+            return
+    rule = f"the wall has a turn each {abs(wall.pitch):g} m, and the page shows no more of the image"
+    run.messages.append(("image", f"{each}, {rule}; -s wall.pitch={pitch:.10g}m shows every row"))
 
 
 def build_wall(

@@ -83,6 +83,32 @@ def test_the_page_of_the_whole_wall_as_one_file(caliper: Path, tmp_path: Path) -
     assert len(enclosed["messages"]) > 1
 
 
+def test_a_hole_that_only_carries_images_has_a_turn_for_each_of_their_rows(
+    caliper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    walls = []
+
+    def seen(wall: Any, **_: object) -> None:
+        walls.append(wall)
+        raise ValueError("seen")
+
+    monkeypatch.setattr("helibore.viewer.view", seen)
+    monkeypatch.setattr("helibore.cli.view_command.check_page", lambda: None)  # the page may be not built
+    depth = 500 + 0.02 * np.arange(200)
+    file = tmp_path / "image.npz"
+    np.savez(file, depth_m=depth, amplitude=np.arange(200.0 * 90).reshape(200, 90))
+    image = ("--image", f"{file}:amplitude:centre", *BIT)
+    run("--gauge", *image)
+    fine = walls.pop()
+    assert (fine.settings.sectors, fine.settings.pitch) == (90, 0.02)
+    shown = fine.images["amplitude"].on(fine)
+    assert np.unique(shown).size == shown.size == 198 * 90, "no value twice: of all rows but the first"
+    for more in (("--gauge", "-s", "wall.sectors=32"), (str(caliper),)):
+        said = " ".join(run(*more, *image).output.split())
+        assert walls.pop().settings.pitch == 0.1
+        assert "-s wall.pitch=0.02m shows every row" in said, said
+
+
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
 def test_it_serves_until_interrupted(caliper: Path) -> None:
     command = [*HELIBORE, "view", str(caliper), "--bit-diameter", "216mm", "--no-browser", "-q"]
