@@ -143,7 +143,9 @@ function straightPipes(ink, look) {
       const half = Math.max(2, (store.bitRadius + (one[4] / 2 - store.bitRadius) * shape) * perMetre);
       pipe(ink, one, middle, half, (depth) => yOf(view, rect, depth), [rect.top, rect.top + rect.height], palette);
       const shoe = yOf(view, rect, ends(one)[1]);
-      if (shoe < rect.top + rect.height && !view.rig) label(ink, `shoe ${one[0]}, ${depthNumber(ends(one)[1], view.units, 1)}`, rect.left + 6, shoe + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
+      const words = `shoe ${one[0]}`;
+      ink.font = SMALL_BOLD;
+      if (shoe < rect.top + rect.height && !view.rig) label(ink, fitting(ink, [`${words}, ${depthNumber(ends(one)[1], view.units, 1)}`, words], rect.width - 12), rect.left + 6, shoe + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
     }
   });
 }

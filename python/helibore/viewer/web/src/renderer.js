@@ -221,11 +221,11 @@ export class Renderer {
     const more = look.store.columns.length ? late(app) : undefined;
     more?.drawColumns(ink, look);
     drawOutside(ink, look);
-    drawTops(ink, look);
     if (look.curtain && gpu) late(app)?.drawCurtain(ink, look, look.curtain);
     this.map.draw(ink, look, picking.kept);
     const planes = picking.planes();
     drawDips(ink, look, planes, gpu);
+    drawTops(ink, look);
     drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);

@@ -79,7 +79,7 @@ export function drawString(ink, look) {
     if (!Number.isNaN(y)) line(ink, middle - reach - 8, y, middle + reach + 8, y, colour, [], 5);
     const at = Number.isNaN(y) || y < rect.top + 12 || y > rect.top + rect.height - 12 ? Math.min(rect.top + rect.height - 10, Math.max(rect.top + 12, yOf(view, rect, string.bottom) + 12)) : y - 12;
     ink.font = BOLD;
-    if (!view.rig) label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units)], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
+    if (!view.rig) label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units), shortText(string, view.units).split(',')[0]], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
   });
 }
 

@@ -104,12 +104,13 @@ function bar(ink, look, left, width, palette) {
 }
 
 /** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
-function legend(ink, { view, quantity, store: { basis } }, left, palette) {
+function legend(ink, { view, quantity, store: { basis }, rects: { image } }, left, palette) {
   if (view.rig) return;
   /** @type {[string, typeof DENSE][]} */
   const signs = [['no data', DENSE]];
   if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') signs.push(['interpolated', SPARSE]);
   signs.reduce((x, [text, hatching]) => {
+    if (x + 16 + ink.measureText(text).width > image.left + image.width) return x;
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
     ink.strokeRect(x + 0.5, 47.5, 11, 9);

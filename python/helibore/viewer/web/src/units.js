@@ -9,7 +9,7 @@ export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2, depth: METRES
 
 /** @param {number} metres @param {Units} units @param {number} [digits] */
 export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
-  Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits)} ${LENGTHS[units].unit}` : '–';
+  Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits).replace('-', '−')} ${LENGTHS[units].unit}` : '–';
 
 // Return a length with its sign; the minus is a true minus sign.
 /** @type {(metres: number, units: Units, digits?: number) => string} */
@@ -38,7 +38,7 @@ export const showAngle = (degrees, digits = 1) => {
 /** @param {number} value @param {string} [unit] */
 export const showValue = (value, unit = '') => {
   if (!Number.isFinite(value)) return '–';
-  const text = Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : String(Number(value.toPrecision(5)));
+  const text = (Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : String(Number(value.toPrecision(5)))).replaceAll('-', '−');
   return unit ? `${text} ${unit}` : text;
 };
 

@@ -80,7 +80,8 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   }
   for (const [name, start] of look.intervals) {
     const at = start > view.top && start < view.bottom && gpu.project(path.at(start), rect, gpu.aside(path.at(start), -beside));
-    if (at) label(ink, `${name} –`, at[0] - 6, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
+    ink.font = SMALL_BOLD;
+    if (at) label(ink, `${name} –`, Math.max(at[0] - 6, rect.left + 4 + ink.measureText(`${name} –`).width), at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
   }
   dashed(ink, planAlong(look).map((centre) => gpu.project({ centre }, rect)), palette.max);
   cursorLabel(ink, look, gpu, beside, palette);
