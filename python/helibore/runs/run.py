@@ -372,7 +372,7 @@ def suit_images(
             run.messages.append(("helix", f"{each}, and so has the wall a turn, of {sectors} sectors"))
             return
     rule = f"the wall has a turn each {abs(wall.pitch):g} m, and the page shows no more of the image"
-    run.messages.append(("image", f"{each}, {rule}; -s wall.pitch={pitch:.10g}m shows every row"))
+    run.messages.append(("image", f"{each}, {rule}; wall.pitch={pitch:.10g}m shows every row"))
 
 
 def build_wall(
