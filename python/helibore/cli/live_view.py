@@ -108,6 +108,8 @@ class Window:
         self._show_images()
         self._show_channels()
         known = {} if self._newest is None else {"newest": self._newest}
+        if ages := live.ages():
+            known["heard"] = float(round(time.time() - min(ages.values())))
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
                 known[name] = received[0]
@@ -167,6 +169,7 @@ class Window:
                 scene=self.scene,
                 reference=reference,
                 alarmed=live.configuration.alarms.by_kind,
+                string=live.configuration.string,
             )
         except InputError:
             if len(live.wall) == len(values):

@@ -71,7 +71,7 @@ def _lines(found: Passage, limit: float, what: str) -> Lines:
         places = zip(found.contact_depth[row], found.contact_toolface[row], found.contact_body[row], strict=True)
         for place, toolface, body in places:
             if body >= 0:
-                of = f", body {body + 1}" if len(found.string) > 1 else ""
+                of = f", {found.string[body].name or f'body {body + 1}'}" if len(found.string) > 1 else ""
                 lines.append(("", f"touches at {place:.2f} m, toolface {toolface:.0f} deg{of}"))
         if found.curvature[row] > 0:
             lines.append(("", f"the curvature of the path alone costs {size_text(float(found.curvature[row]))}"))

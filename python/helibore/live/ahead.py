@@ -1,11 +1,12 @@
-"""What lies ahead of the bit while the string is tripped: the nearest place that a body at the bit does not pass.
+"""What lies ahead of the bit while the string is tripped: the nearest place that the string does not pass.
 
-    bit moves up       |ahead|     from 2010.3 to 2012.1 m a body of 0.3 m with 207.1 mm passes
-                   ----#-------bit   "tight hole 8.2 m above the bit"
+    bit moves up       |ahead|     from 2010.3 to 2012.1 m the stabiliser does not pass
+                   ----#------[stabiliser]------bit    "8.2 m", so far the bit moves until it sticks
 
-The body is rigid and straight, and its lower end is the bit. Its greatest diameter is that of `Wall.drift`, of the part
-of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight, whatever
-lies between the samples, also where a telemetry tool measured only a few places of each turn.
+The string is that of the configuration or, without one, a body as wide as the bit whose lower end is the bit. It is
+rigid and straight. Its clearance is that of `Wall.passage`, in the part of the wall that lies ahead; hole that is not
+sampled counts as open. So what is said to be tight is tight, whatever lies between the samples, also where a telemetry
+tool measured only a few places of each turn.
 """
 
 from __future__ import annotations
@@ -16,9 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from helibore.base.arrays import Integers, runs_of
 from helibore.live.live import Live
-from helibore.logs.passage import drift_of
-from helibore.samples.helix import helix_of
+from helibore.live.rules.configuration import AlarmLimits
+from helibore.logs.passage import Passage, passage_of
+from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
 
@@ -35,21 +38,33 @@ class TightAhead:
     Attributes
     ----------
     distance
-        Metres from the bit to it; 0: the bit is in it.
+        Metres that the bit moves until the string sticks; 0: it sticks.
     above
-        Whether it is above the bit: the string is pulled out.
-    top, bottom, diameter
-        Its ends, and the greatest diameter of a body that passes all of it, metres.
+        Whether the bit moves up: the string is pulled out.
+    top, bottom
+        Its ends, metres.
+    body
+        The body that sticks first: "bit", its name, or its number.
+    diameter, needed
+        The greatest diameter of this body that would pass, and its own, metres.
+    places
+        The number of tight places ahead.
+    worst
+        Ends, metres, and how much too thick the string is, at the tightest of these; None if it is this one.
     text
-        All of it in words.
+        This place in words, without what changes as the bit comes nearer.
     """
 
     distance: float
     above: bool
     top: float
     bottom: float
+    body: str
     diameter: float
+    needed: float
     text: str
+    places: int = 1
+    worst: tuple[float, float, float] | None = None
 
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
@@ -78,7 +93,7 @@ class Ahead:
             self.found = None
         elif time.monotonic() >= self._due:
             began = time.monotonic()
-            self.found = self._tight(bit[0], limits.ahead, limits.body, limits.tight)
+            self.found = self._tight(bit[0], limits)
             self._due = time.monotonic() + SHARE * (time.monotonic() - began)
         return self.found
 
@@ -93,55 +108,87 @@ class Ahead:
             self._moves, self._up, self._from, self.found = True, up, bit, None
             self._due = 0.0
 
-    def _tight(self, bit: float, ahead: float, body: float, tight: float) -> TightAhead | None:
-        ends = (bit - ahead - body, bit + body) if self._up else (bit - 2 * body, bit + ahead + body)
-        stretch = self._stretch(*ends)
-        if stretch is None or len(stretch.radius) < stretch.settings.sectors:
+    def _tight(self, bit: float, limits: AlarmLimits) -> TightAhead | None:
+        configuration = self._live.model.configuration
+        size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
+        string = configuration.string or (RigidBody(size, limits.body),)
+        thin = [replace(body, diameter=min(body.diameter, size - tight)) for body in string]
+        length = max(body.position + body.length for body in string)
+        above, below = (ahead, 0.0) if self._up else (0.0, ahead)
+        stretch = self._stretch(bit - above - length, bit + below)
+        if stretch is None:
             return None
-        height = len(stretch.radius) // stretch.settings.sectors * abs(stretch.settings.pitch)
-        if body > height:
+        found = passage_of(stretch, thin, upper_limit=True)
+        lower = found.depth + length / 2
+        travel = bit - lower if self._up else lower - bit
+        order = np.argsort(travel, kind="stable")  # from what the string meets first
+        order = order[(travel[order] >= -found.height) & (travel[order] <= ahead)]
+        runs = [order[first:stop] for first, stop in runs_of(found.clearance[order] < 0)]
+        if not runs:
             return None
-        drift = drift_of(stretch, body, upper_limit=True)
-        limit = self._live.model.configuration.wall["bit_diameter"] - tight
-        nearest = None
-        for spot in drift.tight(limit):
-            top, bottom = sorted((spot.start + body / 2, spot.stop - body / 2))  # of what is in the body's way
-            near, far = (bit - bottom, bit - top) if self._up else (top - bit, bottom - bit)
-            if far > 0 and (nearest is None or near < nearest[0]):
-                nearest = near, top, bottom, spot.least
-        if nearest is None:
-            return None
-        distance, top, bottom, least = max(nearest[0], 0.0), *nearest[1:]
-        where = f"{distance:.1f} m {'above' if self._up else 'below'} the bit" if distance else "at the bit"
-        size = f"a body of {body:g} m at the bit with more than {1e3 * least:.1f} mm does not pass"
-        bit_size = f"bit {1e3 * (limit + tight):.1f} mm"
-        text = f"tight hole {where}: from {top:.1f} to {bottom:.1f} m {size} ({bit_size})"
-        return TightAhead(round(distance, 2), self._up, round(top, 2), round(bottom, 2), round(least, 4), text)
+        spots = [self._spot(found, rows) for rows in runs]
+        top, bottom, passes, number = spots[0]
+        body = string[number]
+        places = _joined([(start, stop, string[of].diameter - least) for start, stop, least, of in spots])
+        worst = max(places, key=lambda place: place[2])
+        name = body.name or ("bit" if body.position == 0 else f"body {number + 1}")
+        sizes = f"{1e3 * passes:.1f} mm pass at most, the {name} has {1e3 * body.diameter:.1f} mm"
+        side = "above" if self._up else "below"
+        text = f"tight hole {side} the bit at {bit:.1f} m: from {top:.1f} to {bottom:.1f} m {sizes}"
+        return TightAhead(
+            round(max(0.0, float(travel[runs[0][0]])), 2), self._up, round(top, 2), round(bottom, 2), name,
+            round(passes, 4), body.diameter, text, len(places),
+            None if worst[0] <= top <= worst[1] else (round(worst[0], 2), round(worst[1], 2), round(worst[2], 4)),
+        )  # fmt: skip
+
+    def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int]:
+        """Return the ends of a tight place, what passes at most of the body that sticks first, and its number."""
+        number = int(found.contact_body[rows[0], 0])
+        of_body = rows[found.contact_body[rows, 0] == number]
+        touched = found.contact_depth[of_body, 0]
+        passes = found.string[number].diameter + float(found.clearance[of_body].min())
+        return float(touched.min()), float(touched.max()), passes, number
 
     def _stretch(self, top: float, bottom: float) -> WallState | None:
-        """Return the whole turns of the wall between two depths, with the samples that decide what is sampled there."""
+        """Return the whole turns between two depths, with the samples that decide what is sampled there.
+
+        Turns that the wall does not have are without a radius; None if it has none of them.
+        """
         wall = self._live.wall._state()
-        count = wall.radius.size
-        helix = helix_of(wall)
-        part = helix.between(top, bottom, count)
-        first, stop = (-(-end // helix.sectors) * helix.sectors for end in (part.start, part.stop))
-        stop = min(stop, count // helix.sectors * helix.sectors)
-        if stop <= first:
+        K, pitch = wall.settings.sectors, wall.settings.pitch
+        start_depth = float(wall.start_depth)
+        first, stop = sorted((end - start_depth) / pitch for end in (top, bottom))
+        first, stop = math.floor(first) - 1, math.ceil(stop) + 1  # whole bodies, at the first and the last place
+        held = wall.radius.size // K
+        own = slice(K * min(max(first, 0), held), K * min(max(stop, 0), held))
+        if own.start >= own.stop:
             return None
+        lack = (own.start - K * first, K * stop - own.stop)
         depth, reach = wall.sample_columns[0], max(NEAR_DEPTH, wall.settings.gap_reach)
         near = slice(*np.searchsorted(depth, (top - reach, bottom + reach)).tolist())  # samples are sorted by depth
         path = self._live.model.stations.reaching(bottom)
-        start = float(wall.start_depth) + first * helix.pitch / helix.sectors
+        start = start_depth + first * pitch
         path = path if path is not None and path.start_depth <= min(top, start) else None
         return replace(
             wall,
             settings=replace(wall.settings, start_depth=start),
             start_depth=start,
-            radius=wall.radius[first:stop],
-            nearest=wall.nearest[first:stop],
-            support=wall.support[first:stop],
-            iterations=wall.iterations[first:stop],
+            radius=np.pad(wall.radius[own], lack, constant_values=np.nan),
+            nearest=np.pad(wall.nearest[own], lack, constant_values=np.nan),
+            support=np.pad(wall.support[own], lack),
+            iterations=np.pad(wall.iterations[own], lack),
             sample_columns=tuple(column[near] for column in wall.sample_columns),
             path=path,
             sums=(),
         )
+
+
+def _joined(spots: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    """Return the places that overlap as one, with the greatest excess: bodies stick there one after the other."""
+    found: list[tuple[float, float, float]] = []
+    for top, bottom, excess in sorted(spots):
+        if found and top <= found[-1][1]:
+            last = found.pop()
+            top, bottom, excess = last[0], max(last[1], bottom), max(last[2], excess)
+        found.append((top, bottom, excess))
+    return found

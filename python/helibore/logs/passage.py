@@ -175,8 +175,8 @@ class Passage(Tabular):
     def facts(self) -> dict[str, str]:
         """Return the bodies and the meaning of the clearance as texts; every output states them."""
         bodies = {
-            f"body {number}": f"{body.diameter:.6g} m outer diameter, {body.length:.6g} m long, "
-            f"{body.position:.6g} m above the lower end"
+            f"body {number}": f"{body.name + ', ' if body.name else ''}{body.diameter:.6g} m outer diameter, "
+            f"{body.length:.6g} m long, {body.position:.6g} m above the lower end"
             for number, body in enumerate(self.string, 1)
         }
         return {**bodies, "passage": RIGID}
@@ -214,8 +214,14 @@ class Drift(Passage):
         return {"passage": f"one rigid, straight cylinder {self.length:.6g} m long; {RIGID.partition('; ')[2]}"}
 
 
-def passage_of(wall: WallLike, string: Iterable[RigidBody], sigma: Floats | None = None) -> Passage:
-    """Return the clearance of a string, as `Wall.passage` does; ``sigma`` is the uncertainty of each radius, metres."""
+def passage_of(
+    wall: WallLike, string: Iterable[RigidBody], sigma: Floats | None = None, *, upper_limit: bool = False
+) -> Passage:
+    """Return the clearance of a string, as `Wall.passage` does; ``sigma`` is the uncertainty of each radius, metres.
+
+    With ``upper_limit``, hole that is not sampled counts as wide open. Then the result is known everywhere, and a
+    thicker string does not pass, whatever the hole is between the samples; whether this one passes is not known.
+    """
     bodies = tuple(string)
     if not bodies:
         raise InputError("string", "must have a body")
@@ -223,28 +229,22 @@ def passage_of(wall: WallLike, string: Iterable[RigidBody], sigma: Floats | None
         if not isinstance(body, RigidBody):
             rule = "must be a RigidBody(diameter, length, position)"
             raise InputError(f"string[{number}]", rule, type(body).__name__)
-    return Passage(**_solved(wall, bodies, sigma))
+    return Passage(**_solved(wall, bodies, sigma, upper_limit))
 
 
-def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None, *, upper_limit: bool = False) -> Drift:
-    """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does.
-
-    With ``upper_limit``, hole that is not sampled counts as wide open. Then the result is known everywhere, and a
-    thicker cylinder does not pass, whatever the hole is between the samples; whether this one passes is not known.
-    """
+def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None) -> Drift:
+    """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does."""
     if isinstance(length, str):
         if length not in MANDRELS:
             raise InputError("length", f"must be metres or one of {', '.join(MANDRELS)}", repr(length))
         length = MANDRELS[length]
-    found = _solved(wall, (RigidBody(0.0, float(length)),), sigma, upper_limit)
+    found = _solved(wall, (RigidBody(0.0, float(length)),), sigma, False)
     for name in ("clearance", "low", "high"):
         found[name] = np.maximum(found[name], 0.0)
     return Drift(**found)
 
 
-def _solved(
-    wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, upper_limit: bool = False
-) -> dict[str, Any]:
+def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, upper_limit: bool) -> dict[str, Any]:
     if basis_of(wall) != "azimuthal":
         raise InputError("passage", f"needs a shape that was measured; this wall: {basis_text_of(wall)}")
     helix, radius = whole_helix(wall), column("radius", wall.radius)

@@ -78,6 +78,7 @@ class RigidBody(Declared, group="passage.body"):
     position: Annotated[float, METRES, NOT_NEGATIVE,
         "From the lower end of the string, the bit, up to the lower end of the body.",
     ] = 0.0  # fmt: skip
+    name: Annotated[str, "What it is, such as stabiliser."] = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,8 +91,8 @@ class PassageSettings(Declared, group="passage"):
         "api-tubing.",
     ] = None  # fmt: skip
     body: Annotated[tuple[RigidBody, ...], METRES, Formerly("bodies"), Option(metavar="BODY"),
-        "Body of a rigid string, DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION: 8.5in,0.3m and 8in,9m,0.3m. The "
-        "position is that of the body's lower end above the string's.",
+        "Body of a rigid string, DIAMETER,LENGTH, then perhaps POSITION and NAME: 8.5in,0.3m and 8in,9m,0.3m,collar. "
+        "The position is that of the body's lower end above the string's.",
     ] = ()  # fmt: skip
     limit: Annotated[float | None, METRES, NOT_NEGATIVE, Option("bit size; 0"),
         "List the intervals below this diameter, or this clearance of a string.",

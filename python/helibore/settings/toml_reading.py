@@ -216,8 +216,8 @@ def read_value(
     """Return a value of TOML in a type.
 
     "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit; the
-    name of a file or of an item is a table that has only this name, a list of quantities is a table that has them in
-    the order of its keys, and one table is a list of tables.
+    name of a file or of an item is a table that has only this name, a list of quantities, with or without a name behind
+    them, is a table that has them in the order of its keys, and one table is a list of tables.
     """
     if value == "none" and optional:
         return None
@@ -229,7 +229,7 @@ def read_value(
         known = members(typing.cast(type[Any], kind))
         alone = next((name for name, of in ALONE.items() if name in known and isinstance(value, of)), None)
         value = value if alone is None else {alone: value}
-        quantities = all(member.unit is not None for member in known.values())
+        quantities = all(member.unit is not None or name == "name" for name, member in known.items())
         if quantities and isinstance(value, list) and len(value) <= len(known):
             value = dict(zip(known, value, strict=False))
         return read_table(typing.cast(type[Any], kind), value, source, keys)

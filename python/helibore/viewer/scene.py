@@ -163,6 +163,7 @@ class RunState:
     bit_depth: float = math.nan  # metres; NaN: not known
     hole_depth: float = math.nan  # metres; NaN: not known
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
+    heard: float = math.nan  # time of the last bytes from a source; NaN: not known
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words
     # The two measured depths between which the true vertical depth is known, and the "down" at which it is 0.
@@ -182,7 +183,7 @@ class RunState:
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
-    # Tight hole ahead of a bit that is tripped: distance, above, top, bottom, diameter; metres. None: none is known.
+    # Tight hole ahead of a bit that is tripped, a `helibore.live.ahead.TightAhead`; None: none is known.
     ahead: Mapping[str, Any] | None = None
 
 

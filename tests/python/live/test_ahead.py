@@ -18,9 +18,9 @@ TIGHT = (118.0, 119.0)
 class Trip:
     """A hole of 218 mm from 110 to 125 m with a meter of 206 mm, and a bit that moves in it."""
 
-    def __init__(self, alarms: str = "tight = 0.006\n", samples: int = 9000) -> None:
+    def __init__(self, alarms: str = "tight = 0.006\n", samples: int = 9000, more: str = "") -> None:
         self.clock = Clock()
-        self.live = Live(parse(f"{WALL}[alarms]\n{alarms}{RIG}"), clock=self.clock)
+        self.live = Live(parse(f"{WALL}[alarms]\n{alarms}{RIG}{more}"), clock=self.clock)
         draw = np.random.default_rng(4)
         depth = np.sort(draw.uniform(110, 125, samples))
         radius = 0.109 - 0.006 * ((depth > TIGHT[0]) & (depth < TIGHT[1]))
@@ -45,14 +45,16 @@ def test_pulling_out_says_what_lies_above_the_bit():
     assert trip.said == []  # it has hardly moved
     trip.to(127.0)
     (text,) = trip.said
-    assert text.startswith("tight hole 8.1 m above the bit: from 118.0 to 118.9 m a body of 0.3 m at the bit with more")
+    assert text.startswith("tight hole above the bit at 127.0 m: from 118.1 to 118.9 m 206.0 mm pass at most, the bit")
     found = trip.alarms.ahead.found
     assert found is not None
+    assert (found.body, found.places, found.worst) == ("bit", 1, None)
+    assert found.distance == pytest.approx(127 - 0.3 - TIGHT[1], abs=0.15)  # then the upper end of the body is there
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
     assert found.diameter == pytest.approx(0.206, abs=0.0005)
     trip.to(121.0)
     assert trip.said == [text]  # the alarm is the same, and the page has the distance of now
-    assert trip.alarms.ahead.found.distance == pytest.approx(2.0, abs=0.15)
+    assert trip.alarms.ahead.found.distance == pytest.approx(1.7, abs=0.15)
     trip.to(117.0)
     assert trip.said == []
 
@@ -61,7 +63,8 @@ def test_running_in_says_what_lies_below_the_bit():
     trip = Trip()
     for bit in (112.0, 114.0):
         trip.to(bit)
-    assert trip.said[0].startswith("tight hole 4.0 m below the bit")
+    assert trip.said[0].startswith("tight hole below the bit at 114.0 m")
+    assert trip.alarms.ahead.found.distance == pytest.approx(4.0, abs=0.15)
     trip.to(118.5)
     assert trip.alarms.ahead.found.distance == 0.0
 
@@ -99,9 +102,57 @@ def test_a_long_body_is_stopped_earlier():
     for bit in (124.0, 121.9):
         trip.to(bit)
     assert trip.alarms.ahead.found is not None
-    assert trip.alarms.ahead.found.distance == pytest.approx(2.9, abs=0.2)
+    assert trip.alarms.ahead.found.distance == pytest.approx(0.0, abs=0.1)
     trip.to(118.0)
     assert trip.said == []
+
+
+STRING = """
+[[string]]
+diameter = "190mm"
+length = 0.3
+[[string]]
+name = "stabiliser"
+diameter = "212mm"
+length = 1.0
+position = 6.0
+[[string]]
+name = "collar"
+diameter = 0.17
+length = 60.0
+position = 7.0
+"""
+
+
+def test_the_string_says_which_of_its_bodies_sticks_and_when():
+    """The bit passes; the stabiliser above it does not, by 6 mm. The string reaches above the hole that is known."""
+    trip = Trip(more=STRING)
+    for bit in (129.5, 128.4):
+        trip.to(bit)
+    found = trip.alarms.ahead.found
+    assert found is not None
+    assert (found.above, found.body, found.needed, found.places) == (True, "stabiliser", 0.212, 1)
+    assert found.diameter == pytest.approx(0.206, abs=0.0005)
+    assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.2)
+    assert found.distance == pytest.approx(128.4 - 7 - TIGHT[1], abs=0.15)
+    trip.to(123.9)  # all of the stabiliser is above the tight meter
+    assert trip.said == []
+
+
+def test_the_worst_of_several_tight_places_is_named_beside_the_nearest():
+    trip = Trip()
+    draw = np.random.default_rng(5)
+    depth = np.sort(draw.uniform(112, 113, 900))
+    trip.live.append_samples(depth, draw.uniform(0, 360, 900), np.full(900, 0.1))
+    for bit in (129.5, 127.0):
+        trip.to(bit)
+    found = trip.alarms.ahead.found
+    assert found is not None
+    assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
+    assert found.places == 2
+    assert found.worst == pytest.approx((112.0, 113.0, 0.016), abs=0.15)
+    assert found.worst[2] == pytest.approx(0.216 - trip.live.wall.drift(0.3).least, abs=1e-4)
+    assert "127.0 m: from 118" in trip.said[0]
 
 
 def test_the_stretch_has_the_mask_of_the_wall():

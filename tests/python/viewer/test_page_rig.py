@@ -67,14 +67,29 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
             ShownChannel("WOB", "kN", 96.2, 1.0, "high", times, values),
             ShownChannel("<b>", "bar", -3.5, 700.0, "", [], []),
         ]
-        tight = {"distance": 8.2, "above": True, "top": 1010.0, "bottom": 1011.5, "diameter": 0.2071}
-        scene.update_state(bit_depth=1033.4, newest=now, channels=7, ahead=tight)
+        tight = {"distance": 8.2, "above": True, "top": 1010.0, "bottom": 1011.5, "body": "stabiliser"}
+        tight |= {"diameter": 0.2071, "needed": 0.2127, "places": 2, "worst": (1003.0, 1004.0, 0.0112)}
+        alarms = ("tight ahead: tight hole above the bit at 1033.4 m", "tight: at 1003.20 m the diameter is")
+        scene.update_state(bit_depth=1033.4, newest=now - 240, heard=now, channels=7, ahead=tight, alarms=alarms)
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
         screen.keyboard.press("k")
         screen.until("document.getElementById('rigChannels').naturalWidth > 0")
         screen.settle()
         cell = "['Head', '', 'More'].map((part) => document.getElementById('rigWorst' + part).textContent)"
-        assert screen.evaluate(cell) == ["Tight hole above the bit", "8.2 m", "1010.0–1011.5 m, passes 207 mm"]
+        head, digits, more = screen.evaluate(cell)
+        assert (head, digits) == ("Tight above, stabiliser sticks in", "8.2 m")
+        assert more == "207 of 213 mm at 1011.5 m"
+        worst = screen.evaluate(cell.replace("rigWorst", "rigSize"))
+        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m"]
+        assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # the source is heard, and says no more
+        assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
+        assert screen.evaluate("document.getElementById('rigLamp').className") == "live"  # the hole is tight, data come
+        assert not screen.evaluate("document.getElementById('rig').classList.contains('stale')")
+        assert screen.inner_text("#rigLagHead") == "Data end behind bit"
+        end = screen.evaluate("window.__wall.app.store.end")
+        scene.update_state(bit_depth=end - 6.5)
+        screen.until("document.getElementById('rigLagHead').textContent === 'Bit back in the hole'")
+        assert screen.inner_text("#rigLag") == "6.5 m"
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []

@@ -50,6 +50,7 @@ from helibore.settings.declared import (
     at_least,
     within,
 )
+from helibore.settings.output_settings import RigidBody
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
@@ -210,11 +211,12 @@ class AlarmLimits(Declared):
         "Median diameter of a turn above the bit diameter. None: no alarm.",
     ] = None  # fmt: skip
     ahead: Annotated[float | None, METRES, NOT_NEGATIVE,
-        "While the string is tripped, so much hole ahead of the bit is searched for tight hole: where ``body`` as wide "
-        "as the bit less ``tight`` does not pass. None: no search.",
+        "While the string is tripped, so much hole ahead of the bit is searched for tight hole: where the bodies of "
+        "``string``, or one as wide as the bit, do not pass, none of them wider than the bit less ``tight``. None: no "
+        "search.",
     ] = 30.0  # fmt: skip
     body: Annotated[float, METRES, FINITE, at_least(0.01, "m"),
-        "Length of the rigid body whose lower end is the bit, for ``ahead``.",
+        "Length of the rigid body whose lower end is the bit, for ``ahead`` without ``string``.",
     ] = 0.3  # fmt: skip
     command: Annotated[tuple[str, ...], WORDS, "Command that gets each alarm as a line of JSON."] = ()
     environment: Annotated[tuple[str, ...], WORDS, "Variables that the command gets besides the usual ones."] = ()
@@ -255,6 +257,10 @@ class LiveTables(Declared):
     journal: Annotated[JournalTable, "Where every byte is stored."] = field(default_factory=JournalTable)
     snapshot: Annotated[SnapshotTable, "Exports of the live wall."] = field(default_factory=SnapshotTable)
     alarms: Annotated[AlarmLimits, "When an alarm begins, and who receives it."] = field(default_factory=AlarmLimits)
+    string: Annotated[tuple[RigidBody, ...], METRES,
+        "Rigid bodies of the string, which the page draws in the hole with their clearance, and which ``alarms.ahead`` "
+        "watches for.",
+    ] = ()  # fmt: skip
     next: Annotated[NextTable | None, "The configuration that follows. None: no other one."] = None
 
     def _check(self) -> None:

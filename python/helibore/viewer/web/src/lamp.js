@@ -1,5 +1,5 @@
 // The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. It shows "late"
-// as long as the feed has an alarm, silenced or not, and "lost" as long as a source is not connected.
+// as long as the feed has an alarm about data, silenced or not, and "lost" as long as a source is not connected.
 
 import { shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
@@ -7,7 +7,7 @@ import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
-const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
+export const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
 /** @type {Record<string, string>} */
 export const SIGNS = { live: '✓', late: '!', lost: '✕' };
 
@@ -22,20 +22,28 @@ export function lamp(app) {
   say('lampText', text);
 }
 
+// Return the seconds since a source sent anything; NaN if it is not known.
+/** @param {Pick<App, 'newest' | 'heard' | 'lastWrite'>} of */
+export const silenceOf = (of) => (of.heard === null ? ageOf(of) : Date.now() / 1000 - Math.max(of.heard, of.newest ?? 0));
+
+/** @param {Pick<App, 'newest' | 'heard' | 'lastWrite'>} of */
+export const isSilent = (of) => silenceOf(of) > LATE;
+
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
 // Return what is wrong with the feed, in few words; '' if nothing is wrong.
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
-function troubleOf({ alarms: { feed }, lost }) {
+function troubleOf({ alarms, lost }) {
   if (lost.length) return `${lost.join(', ')} not connected`;
+  const feed = alarms.feed.filter((one) => !/^(tight|washout)/.test(one)); // those are about the hole, not the data
   return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
 }
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, heard, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -50,12 +58,13 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   else parts.push('not live');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
-  const late = !ended && seconds > LATE;
+  const old = !ended && seconds > LATE;
+  const late = old && isSilent({ heard, newest, lastWrite });
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live';
-  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : colour === 'live' ? 'live' : parts[0])];
+  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : old ? `last radius ${showAge(seconds)} old` : colour === 'live' ? 'live' : parts[0])];
 }
 
 // Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.

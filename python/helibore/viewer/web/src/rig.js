@@ -1,7 +1,7 @@
 // Rig mode (K): bit depth, hole size, worst zone, lag and age of the data in digits that are read from three metres. The
 // view follows the bit until the mode is left; the address holds the mode, so a reload keeps it.
 
-import { ageOf, lampWords, SIGNS } from './lamp.js';
+import { isSilent, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { byId } from './dom.js';
 import { hung, shortText } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
@@ -43,7 +43,6 @@ export function writeRig(app) {
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
   if (!view.rig || !store) return;
   const [top, bottom] = recent(store);
-  for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(bottom - top, view.units, 0)}`;
   const { scale, unit } = LENGTHS[view.units];
   /** @param {number | null | undefined} metres */
   const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
@@ -53,20 +52,25 @@ export function writeRig(app) {
   cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : string ? `string ${shortText(string, view.units)}` : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : 'MD');
   const { holeDepth: hole } = app;
   cell('rigHole', hole === null ? '–' : depthNumber(hole, view.units, 1), hole === null ? '' : depthUnit(view.units), hole === null ? 'no hole depth received' : 'MD');
-  const measured = store.basis !== 'gauge' && summary?.mean_diameter;
-  cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
-    ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);
   const { ahead } = app;
+  const worse = ahead?.worst;
+  const measured = store.basis !== 'gauge' && summary?.mean_diameter;
+  const bitSize = `bit ${size(2 * store.bitRadius)}`;
+  byId('rigSizeHead').textContent = worse ? `Worst of ${ahead?.places} ${ahead?.above ? 'above' : 'below'}` : `Hole size, last ${showDepth(bottom - top, view.units, 0)}`;
+  if (worse) cell('rigSize', `−${size(worse[2])}`, `${unit}${sureOf(app, worse[0], worse[1])}`, showSpan(worse[0], worse[1], view.units));
+  else if (measured) cell('rigSize', size(summary.mean_diameter), unit, `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, ${bitSize}`);
+  else cell('rigSize', '–', '', `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, ${bitSize} ${unit}`);
   if (ahead) {
-    const [name, place] = [`Tight hole ${ahead.above ? 'above' : 'below'} the bit`, showSpan(ahead.top, ahead.bottom, view.units)];
-    cell('rigWorst', depthNumber(ahead.distance, view.units, 1), depthUnit(view.units), `${place}, passes ${size(ahead.diameter)} ${unit}`);
-    byId('rigWorstHead').textContent = name;
+    cell('rigWorst', depthNumber(ahead.distance, view.units, 1), `${depthUnit(view.units)}${sureOf(app, ahead.top, ahead.bottom)}`, `${size(ahead.diameter)} of ${size(ahead.needed)} ${unit} at ${showDepth(ahead.above ? ahead.bottom : ahead.top, view.units, 1)}`);
+    byId('rigWorstHead').textContent = `Tight ${ahead.above ? 'above' : 'below'}, ${ahead.body} sticks in`;
     byId('rigWorstCell').className = 'new';
   } else writeWorst(app, [top, bottom]);
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
-  cell('rigLag', Number.isFinite(lag) ? depthNumber(Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
+  byId('rigLagHead').textContent = lag < -LIFTED ? 'Bit back in the hole' : 'Data end behind bit';
+  cell('rigLag', Number.isFinite(lag) ? depthNumber(lag < -LIFTED ? -lag : Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
   const [colour, text, word] = lampWords(app);
-  const [age, ageUnit = ''] = showAge(ageOf(app)).split(' ');
+  const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
+  byId('rig').classList.toggle('stale', colour === 'lost' || isSilent(app));
   cell('rigAge', age, ageUnit, word ?? text.split(' · ')[0]);
   byId('rigLamp').className = colour;
   byId('rigLamp').textContent = SIGNS[colour] ?? '–';
@@ -74,6 +78,13 @@ export function writeRig(app) {
   strip.hidden = !app.channels;
   const source = `api/channels.svg${location.search || '?'}&theme=${view.theme}&version=${app.channels}`;
   if (app.channels && strip.getAttribute('src') !== source) strip.src = source;
+}
+
+// Return how sure it is that hole between two depths is tight, if a zone says so.
+/** @param {App} app @param {number} top @param {number} bottom */
+function sureOf({ zones }, top, bottom) {
+  const zone = bySeverity(zones.filter(({ kind, start, stop }) => kind === 'undergauge' && start < bottom && stop > top))[0];
+  return zone ? `, ${sureText(zone)} sure` : '';
 }
 
 // Write the worst zone between two depths.

@@ -110,10 +110,10 @@ interface Handshake {
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
-interface TightAhead { distance: number; above: boolean; top: number; bottom: number; diameter: number }
+interface TightAhead { distance: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
 interface State {
   channels?: number; ahead?: TightAhead | null;
-  begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
+  begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; heard?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
