@@ -157,6 +157,16 @@ def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
         assert not np.array_equal(screen.pixels("image"), now)
         assert re.search(rf"as at {CLOCK} ", screen.inner_text("#lampText"))
         assert "first pass" in screen.inner_text("#lampText")
+        run = "document.getElementById('run')"
+        screen.until(f"{run}.labels?.some(({{ text }}) => text === '— bit   - - data')")
+        at = screen.evaluate(f"{run}.strokes.map(([x]) => x)")
+        assert at == [0], "the moment, at the start of the run"
+        texts = [one["text"] for one in screen.evaluate(f"{run}.labels")]
+        assert {"1018.7 m", "1031.2 m"} <= set(texts), "from the data at the start to their end"
+        screen.page.set_viewport_size({"width": 390, "height": 844})
+        screen.until(f"(({{ left, right }}) => left > 0 && right < 390)({run}.getBoundingClientRect())")
+        screen.page.set_viewport_size({"width": 1000, "height": 640})
+        screen.settle()
         assert screen.evaluate("window.__wall.app.store.vertex(12100)") is None
         viewer.update(wall.grow(64))
         screen.until("window.__wall.stats.size === 20064")

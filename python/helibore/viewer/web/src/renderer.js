@@ -236,7 +236,7 @@ export class Renderer {
     if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
     drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
-    else if (gpu && rects.wall.width && !straight) drawWallInk(ink, look, gpu, calipers);
+    else if (gpu && rects.wall.width && !straight) drawWallInk(ink, look, gpu, calipers, view.camera === 'outside' ? undefined : late(app)?.drawInsideInk);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }
@@ -270,6 +270,7 @@ export class Renderer {
     say('crossTitle', `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`);
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, selection.read, store.basis === 'azimuthal' ? figures : []);
+    if (app.replay.past) late(app)?.drawRun(sized(byId('run')), app);
     section.ask();
     section.write();
     alarms.write(view);
@@ -293,7 +294,8 @@ export class Renderer {
     byId('orbit').hidden = this.straight;
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
-    Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
+    const below = wall.width ? { left: wall.left + 90, width: wall.width - 100 } : { left: 8, width: width - 16 }; // a tab without the hole
+    Object.assign(byId('replay').style, { left: `${below.left}px`, width: `${below.width}px` });
     Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
     if (paper && paper !== this.paper) selection.setLength(`1:${paper}`); // a scale of paper stays
   }

@@ -141,7 +141,7 @@ interface Contents {
 
 // Elements of the page by id; any other is an HTMLElement.
 type Ids<Names extends string, Kind> = { [id in Names]: Kind };
-type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
+type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar' | 'run', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>

@@ -2,7 +2,6 @@
 
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
-import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { edges, line } from './strokes.js';
 import { turn } from './turns.js';
@@ -15,8 +14,8 @@ import { isSure } from './zones.js';
 /** @type {[string, number[]][]} */
 const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers */
-export function drawWallInk(ink, look, gpu, calipers) {
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers @param {typeof import('./inside_ink.js').drawInsideInk} [drawInside] */
+export function drawWallInk(ink, look, gpu, calipers, drawInside) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
@@ -26,7 +25,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
   ink.clip();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
-  else drawInsideInk(ink, look, gpu);
+  else drawInside?.(ink, look, gpu);
   if (path.surveyed && view.camera === 'outside') {
     compass(ink, gpu, rect, palette);
     if (rect.width > 300) plan(ink, look, gpu, palette);
