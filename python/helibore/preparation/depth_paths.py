@@ -38,7 +38,7 @@ FINEST = STEP / np.sqrt(12.0)
 
 _WANDERS = (0.0003, 0.001, CALM, RESTLESS, 0.03, 0.1)  # metres in 5 cm of depth
 _NEARLY = 1.0  # logarithm: a pass moves to and fro if the evidence for it is at most so much less than for a calm path
-_JUMP = 1e-12  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
+_JUMP = 1e-6  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
 _ROWS_AT_ONCE = 256
 STRETCH = 2.0
 """Metres in which readings err together."""
@@ -98,7 +98,7 @@ def _path_about(base: Floats, rows: RowsOfPass, fields: Sequence[Field], noise: 
         together = _together(rows, (off - bias) / np.sqrt(variance[:, 0] + noise**2))
         divisor = float(np.sqrt(max(excess, 1.0) * together))
         at = _WANDERS.index(wander)
-        wanders = _WANDERS[max(at - 1, 0) : at + 2]
+        wanders = _WANDERS[max(at - 1, 0 if wander < RESTLESS else _WANDERS.index(RESTLESS)) : at + 2]
     probability, wander = _probabilities(rows.depth, raw / divisor, wanders)
     shift = probability @ GRID
     away = GRID - shift[:, None]

@@ -71,13 +71,21 @@ def test_numbers_long_passes_with_heave():
     assert np.all(np.abs(np.flatnonzero(np.diff(number)) - [leg.size, 2 * leg.size]) < 30)
 
 
-@pytest.mark.parametrize("seed", [1003, 1044, 1070])
+@pytest.mark.parametrize("seed", [1003, 1044, 1070, 9805])
 def test_few_arms_that_move_to_and_fro_are_right_or_refused(seed):
-    """In 1070 a calm path is nearly as likely as the true one, and 11 cm wrong."""
+    """In 1070 and 9805 a calm path is nearly as likely as the true one, and 11 cm wrong."""
     shift = preparation.shift_of("yo-yo", seed)
     found = preparation.found(preparation.ordinary(seed), "four arms", shift, seed)
     off = (found.shift - shift(found.depth))[found.known] if found.found else np.zeros(1)
     assert np.sqrt(np.mean(off**2)) < 0.05
+
+
+@pytest.mark.parametrize(("tool", "seed"), [("X-Y", 9601), ("X-Y", 9605), ("four arms", 9602)])
+def test_a_step_of_few_arms_is_found_and_not_taken_for_moving_to_and_fro(tool, seed):
+    shift = preparation.shift_of("step", seed)
+    found = preparation.found(preparation.ordinary(seed), tool, shift, seed)
+    assert found.found
+    assert np.sqrt(np.mean(np.square(found.shift - shift(found.depth))[found.known])) < 0.04
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.floats(0, 5)), min_size=1, max_size=40), st.booleans())
