@@ -48,10 +48,10 @@ class RowsOfPass:
 
     def design(self) -> Floats:
         """Return the terms of the series, 1, cos a, sin a, cos 2a, ..., at each angle, (m, r, 9)."""
-        return _terms(self.angle)
+        return terms(self.angle)
 
 
-def _terms(angle: Floats) -> Floats:
+def terms(angle: Floats) -> Floats:
     waves = [np.exp(1j * n * angle) for n in range(1, HARMONICS + 1)]
     return np.stack([np.ones(angle.shape), *(part for wave in waves for part in (wave.real, wave.imag))], axis=-1)
 
@@ -88,6 +88,7 @@ class Field:
     prior: Floats  # variance of each coefficient along the hole, (9,) m^2
     length: float  # m: over which the coefficients change
     noise: float  # m: deviation of a reading
+    readings: RowsOfPass  # from which it was found, as they were at the depths of their rows
 
     @property
     def total(self) -> float:
@@ -127,8 +128,8 @@ def seen_by_all(fields: Sequence[Field], depth: Floats, design: Floats) -> tuple
     return weighted / precision, 1.0 / precision, seen
 
 
-def fit(rows: RowsOfPass) -> tuple[Field, RowsOfPass]:
-    """Return the field of a pass of at least two rows, and its readings as they were at the depths of their rows."""
+def fit(rows: RowsOfPass) -> Field:
+    """Return the field of a pass of at least two rows."""
     known, radius = rows.known, np.nan_to_num(rows.radius)
     spread = max(float(np.median(np.abs(radius[known])) * 1.4826) ** 2, _LEAST**2)
     prior = np.full(2 * HARMONICS + 1, 0.2 * spread)
@@ -142,7 +143,7 @@ def fit(rows: RowsOfPass) -> tuple[Field, RowsOfPass]:
             radius = np.nan_to_num(rows.radius) - slope * rows.away
         weighted = design * weight[..., None]
         matrix, side = weighted.swapaxes(1, 2) @ design, (weighted * radius[..., None]).sum(axis=1)
-        filters = _Filters(rows.depth, matrix / noise, side / noise)
+        filters = Filters(rows.depth, matrix / noise, side / noise)
         if turn == _ROUNDS - 2:
             length = max(_LENGTHS, key=lambda each: filters.evidence(prior, each))
         mean, covariance = filters.smoothed(prior, length)
@@ -158,13 +159,17 @@ def fit(rows: RowsOfPass) -> tuple[Field, RowsOfPass]:
         prior[1:] = np.repeat(waves, 2)
         prior = np.maximum(prior, _LEAST**2)
     level = RowsOfPass(rows.depth, rows.angle, np.where(known, radius, np.nan), np.zeros(radius.shape))
-    around = _terms(np.linspace(0.0, 2 * np.pi, _ANGLES, endpoint=False))
+    around = terms(np.linspace(0.0, 2 * np.pi, _ANGLES, endpoint=False))
     variance = ((around @ covariance) * around).sum(axis=2)
-    return Field(rows.depth, mean, variance, prior, length, float(np.sqrt(noise))), level
+    return Field(rows.depth, mean, variance, prior, length, float(np.sqrt(noise)), level)
 
 
-class _Filters:
-    """Blocks of rows that are filtered side by side; each begins some rows early, so that its start is forgotten."""
+class Filters:
+    """Blocks of rows that are filtered side by side; each begins some rows early, so that its start is forgotten.
+
+    For each row, ``matrix`` (m, 9, 9) is the precision that its readings give the coefficients, and ``side`` (m, 9)
+    this precision times the coefficients that they say.
+    """
 
     def __init__(self, depth: Floats, matrix: Floats, side: Floats) -> None:
         place = np.arange(0, depth.size, _BLOCK) + np.arange(-_LEAD, _BLOCK + _LEAD)[:, None]  # (steps, blocks)

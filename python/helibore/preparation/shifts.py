@@ -180,7 +180,7 @@ class _Matching:
         length = max((bottom - top for top, bottom in self.ends), default=0.0)
         self.samples, self.cell = samples, max(_CELL, length / _MOST_ROWS)
         self.rows = [in_rows(*each, self.cell) for each in samples]
-        self.fits: dict[int, tuple[Field, RowsOfPass]] = {}
+        self.fits: dict[int, Field] = {}
         self.functions = [DepthFunction() for _ in samples]
         self.bias = np.zeros(len(samples))
 
@@ -212,17 +212,20 @@ class _Matching:
         above, below = (end + float(np.interp(end, function.depth, function.shift)) for end in self.ends[other])
         return min(bottom, below) - max(top, above)
 
-    def _fitted(self, index: int) -> tuple[Field, RowsOfPass]:
+    def _fitted(self, index: int) -> Field:
         if index not in self.fits:
             self.fits[index] = fit(self.rows[index])
         return self.fits[index]
 
     def _placed(self, index: int) -> Field:
         """Return the field of a pass in place, at depths of the hole and less the bias of the pass."""
-        field, function = self._fitted(index)[0], self.functions[index]
+        field, function, bias = self._fitted(index), self.functions[index], self.bias[index]
         moved = field.depth + np.interp(field.depth, function.depth, function.shift)
-        mean = field.mean - self.bias[index] * (np.arange(field.prior.size) == 0)
-        return replace(field, depth=np.maximum.accumulate(moved + 1e-9 * np.arange(moved.size)), mean=mean)
+        moved = np.maximum.accumulate(moved + 1e-9 * np.arange(moved.size))
+        readings = replace(field.readings, depth=moved, radius=field.readings.radius - bias)
+        return replace(
+            field, depth=moved, mean=field.mean - bias * (np.arange(field.prior.size) == 0), readings=readings
+        )
 
     def _match(self, index: int, placed: list[int]) -> None:
         self.functions[index] = self._matched(index, placed)
@@ -257,16 +260,16 @@ class _Matching:
         depth, toolface, radius = self.samples[index]
         angle = 0.0
         for left in range(_TURNS, -1, -1):
-            mine, rows = self._fitted(index)
-            path = find_path(rows, theirs, mine.noise)
-            match = find_toolface(rows, theirs, path, mine.noise)
+            mine = self._fitted(index)
+            path = find_path(mine.readings, theirs, mine.noise)
+            match = find_toolface(mine, theirs, path)
             total = replace(match, angle=(angle + match.angle + 180.0) % 360.0 - 180.0)
             if not left or not total.is_offset or abs(match.angle) < LEAST / 2:
                 break
             angle = total.angle
             self.rows[index] = in_rows(depth, toolface + angle, radius, self.cell)
             del self.fits[index]
-        return rows, path, total
+        return mine.readings, path, total
 
 
 def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunction:

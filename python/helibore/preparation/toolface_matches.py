@@ -12,13 +12,14 @@ that of the path, and the angle is what no such shift explains. Its deviation co
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Complexes, Floats, Mask
 from helibore.preparation.depth_paths import STRETCH, DepthPath, student
-from helibore.preparation.fields import FREEDOM, Field, RowsOfPass, seen_by_all
+from helibore.preparation.fields import FREEDOM, HARMONICS, Field, Filters, RowsOfPass, seen_by_all, terms
 
 STEP = 3.0
 """Degrees between trial angles."""
@@ -32,10 +33,8 @@ SURE = 3.0
 _AWAY = 60.0  # degrees: a rival lies farther away
 _RIVAL, _LEAD = 0.85, 8.0  # a rival gains more than this share, or less than this logarithm less
 _LEAST_GAIN = 8.0  # logarithm of the likelihood over the mean of all angles
-_FEW, _MORE = 6, 2.0  # readings in a row up to which an error is larger than stretches say, and by how much: an arm
-# looks at one side of the hole for many of them (``python -m bench.accuracy.preparation toolface``)
-_FREE = 0.1  # metres: deviation of the shift of a stretch from the path
-_SMALL_ANGLE, _SMALL_DEPTH = 1.0, 0.01  # degrees and metres, for slopes
+_FEW, _ALIKE = 6, 0.25  # readings in a row up to which arms may lie alike, and how alike, from 0 to 1, is too much
+_BESIDE = 2.0  # degrees: so far beside an angle the slope of the evidence is taken
 
 
 @dataclass(frozen=True)
@@ -61,13 +60,16 @@ class ToolfaceMatch:
         )
 
 
-def find_toolface(rows: RowsOfPass, fields: Sequence[Field], path: DepthPath, noise: float) -> ToolfaceMatch:
-    """Return the angle of a pass on its path through the fields of others; parameters as of `find_path`."""
+def find_toolface(own: Field, fields: Sequence[Field], path: DepthPath) -> ToolfaceMatch:
+    """Return the angle of a pass on its path through the fields of others."""
+    rows = own.readings
     there = path.known
-    some = RowsOfPass(rows.depth[there], rows.angle[there], rows.radius[there], rows.away[there])
+    if not there.any():
+        return ToolfaceMatch(0.0, np.inf, clear=False)
+    some = RowsOfPass(rows.depth[there], rows.angle[there], rows.radius[there] - path.bias, rows.away[there])
     where = some.depth + path.shift[there]
     trials = np.arange(-180.0, 180.0, STEP)
-    gains = np.array([_fit(some, fields, where, path.bias, noise, angle).sum() for angle in trials]) / path.divisor
+    gains = np.array([_fit(some, fields, where, own.noise, angle).sum() for angle in trials]) / path.divisor
     gains -= gains.mean()
     best = int(np.argmax(gains))
     apart = np.abs((trials - trials[best] + 180.0) % 360.0 - 180.0)
@@ -78,54 +80,133 @@ def find_toolface(rows: RowsOfPass, fields: Sequence[Field], path: DepthPath, no
     if by_half:  # of the two, the one near 0
         start = (start + 90.0) % 180.0 - 90.0
     angle, sigma = start, np.inf
+    together = _Together(replace(some, depth=where), own, fields)
     for _ in range(3):
-        step, sigma = _refined(some, fields, where, path.bias, noise, angle)
+        step, sigma = together.refined(angle)
         angle += float(np.clip(step, -STEP, STEP))
-    if some.angle.shape[1] <= _FEW:
-        sigma *= _MORE
-    clear = bool(clear) and abs(angle - start) < 2 * STEP  # the best trial and the least squares agree
+    by_length = together.longer().refined(angle)[0]
+    by_depth = _twist(own, there) * float(np.median(path.sigma[there]))
+    sigma = float(np.sqrt(sigma**2 + by_length**2 + by_depth**2))
+    # The best trial and the refined angle agree.
+    clear = bool(clear and np.isfinite(sigma)) and abs(angle - start) < 2 * STEP and not _lie_alike(some, where, fields)
     return ToolfaceMatch((angle + 180.0) % 360.0 - 180.0, sigma, by_half, clear)
 
 
-def turned(rows: RowsOfPass, angle: float) -> RowsOfPass:
-    """Return rows with an angle, degrees, added to their toolfaces."""
-    return replace(rows, angle=rows.angle + np.radians(angle))
+def _lie_alike(rows: RowsOfPass, where: Floats, fields: Sequence[Field]) -> bool:
+    """Return whether the few arms of a pass and of another lie alike along the hole, turned by one angle if at all.
 
+    What each saw is then a guess between the arms of the other, and the likeliest angle lays arms over arms.
+    """
+    count = rows.angle.shape[1]
 
-def _seen(rows: RowsOfPass, fields: Sequence[Field], where: Floats, angle: float) -> tuple[Floats, Floats]:
-    mean, variance, _ = seen_by_all(fields, where[:, None], turned(rows, angle).design())
-    return mean[:, 0], variance[:, 0]
-
-
-def _fit(rows: RowsOfPass, fields: Sequence[Field], where: Floats, bias: float, noise: float, angle: float) -> Floats:
-    mean, variance = _seen(rows, fields, where, angle)
-    off = rows.radius - bias - mean
-    fits: Floats = np.where(np.isnan(off), 0.0, student(off, variance + noise**2)).sum(axis=1)
-    return fits
-
-
-def _refined(
-    rows: RowsOfPass, fields: Sequence[Field], where: Floats, bias: float, noise: float, angle: float
-) -> tuple[float, float]:
-    """Return a step of iterated least squares for the angle, with a free shift in each stretch, and its deviation."""
-    mean, variance = _seen(rows, fields, where, angle)
-    off = np.nan_to_num(rows.radius - bias - mean)
-    weight = np.where(rows.known, (FREEDOM + 1) / (FREEDOM * (variance + noise**2) + np.square(off)), 0.0)
-    by_angle, by_depth = (
-        (_seen(rows, fields, where + depth, angle + turn)[0] - _seen(rows, fields, where - depth, angle - turn)[0])
-        / (2 * (depth + turn))
-        for depth, turn in ((0.0, _SMALL_ANGLE), (_SMALL_DEPTH, 0.0))
-    )
-    stretch = np.unique(np.floor(rows.depth / STRETCH), return_inverse=True)[1]
-
-    def summed(values: Floats) -> Floats:
-        found: Floats = np.bincount(stretch, (weight * values).sum(axis=1)).astype(np.float64)
+    def place(of: RowsOfPass) -> Complexes:
+        found: Complexes = (np.exp(1j * count * of.angle) * of.known).sum(axis=1) / np.maximum(of.known.sum(axis=1), 1)
         return found
 
-    share = summed(by_angle * by_depth) / (summed(np.square(by_depth)) + 1 / _FREE**2)
-    information = summed(np.square(by_angle)) - share * summed(by_angle * by_depth)
-    slope = summed(by_angle * off) - share * summed(by_depth * off)
-    total = max(float(information.sum()), 1e-12)
-    step = float(slope.sum()) / total
-    left = slope - step * information
-    return step, float(np.hypot(np.sqrt(max(np.square(left).sum(), total)) / total, FINEST))
+    if count > _FEW:
+        return False
+    own = place(rows)
+    for each in fields:
+        near = np.clip(np.searchsorted(each.depth, where), 0, each.depth.size - 1)
+        if abs(complex((own * place(each.readings)[near].conj()).mean())) > _ALIKE:
+            return True
+    return False
+
+
+def _twist(own: Field, there: Mask) -> float:
+    """Return the angle by which a metre of depth turns the hole that a pass saw, degrees."""
+    design = own.readings.design()
+    by_depth = (design @ np.gradient(own.mean, own.depth, axis=0)[..., None])[..., 0][there]
+    by_angle = (_by_angle(design) @ own.mean[..., None])[..., 0][there]
+    known = own.readings.known[there]
+    power = float(np.square(by_angle)[known].sum())
+    return float(np.degrees(abs(float((by_angle * by_depth)[known].sum())) / power)) if power > 0 else 0.0
+
+
+def _by_angle(design: Floats) -> Floats:
+    """Return how the terms of a series change with the angle, a radian."""
+    n = np.arange(1, HARMONICS + 1)
+    change = np.zeros(design.shape)
+    change[..., 1::2], change[..., 2::2] = -n * design[..., 2::2], n * design[..., 1::2]
+    return change
+
+
+class _Together:
+    """The readings of a pass and of the others as rows of one field, in which the pass may be turned.
+
+    The slope of the evidence of this field over the angle is a sum over the readings of the pass. A reading counts by
+    what the others know of the hole at its depth and in its direction.
+    """
+
+    def __init__(self, rows: RowsOfPass, own: Field, fields: Sequence[Field]) -> None:
+        parts, noises = [rows], [own.noise]
+        for each in fields:
+            near = slice(*np.searchsorted(each.depth, (rows.depth[0] - own.length, rows.depth[-1] + own.length)))
+            seen = each.readings
+            parts.append(RowsOfPass(seen.depth[near], seen.angle[near], seen.radius[near], seen.away[near]))
+            noises.append(each.noise)
+        wide = max(part.angle.shape[1] for part in parts)
+
+        def column(name: str, fill: float) -> Floats:
+            values = [getattr(part, name) for part in parts]
+            padded = [np.pad(of, ((0, 0), (0, wide - of.shape[1])), constant_values=fill) for of in values]
+            return np.concatenate(padded)[order]
+
+        depth = np.concatenate([part.depth for part in parts])
+        order = np.argsort(depth, kind="stable")
+        self.depth, self.angle, self.radius = depth[order], column("angle", 0.0), column("radius", np.nan)
+        self.own = order < rows.depth.size
+        self.noise = np.square(np.repeat(noises, [part.depth.size for part in parts]))[order, None]
+        self.prior = np.mean([each.prior for each in (own, *fields)], axis=0)
+        self.length = own.length
+        self.stretch = np.unique(np.floor(self.depth[self.own] / STRETCH), return_inverse=True)[1]
+        self.precision = np.isfinite(self.radius) / self.noise
+        self.radius = np.nan_to_num(self.radius)
+
+    def refined(self, angle: float) -> tuple[float, float]:
+        """Return a step towards the angle with the most evidence, degrees, and the deviation of the angle.
+
+        The precision of each reading follows from Student's t at the angle before.
+        """
+        low, high = self._slopes(angle - _BESIDE), self._slopes(angle + _BESIDE)
+        slope, bend = 0.5 * (low + high), (low - high) / (2 * _BESIDE)
+        total = float(bend.sum())
+        if total <= 0:
+            return 0.0, np.inf
+        step = float(slope.sum()) / total
+        left = slope - step * bend
+        return step, float(np.hypot(np.sqrt(max(np.square(left).sum(), total)) / total, FINEST))
+
+    def longer(self) -> _Together:
+        """Return the same readings as rows of a field that changes along the hole over three times the length.
+
+        How long that is, is not well known; where arms lie nearly alike, the angle depends on it.
+        """
+        found = copy(self)
+        found.length = 3.0 * self.length
+        return found
+
+    def _slopes(self, angle: float) -> Floats:
+        """Return how much the logarithm of the evidence rises with the angle in each stretch, a degree."""
+        turned = self.angle + np.radians(angle) * self.own[:, None]
+        design = terms(turned)
+        weighted = design * self.precision[..., None]
+        filters = Filters(self.depth, weighted.swapaxes(1, 2) @ design, (weighted * self.radius[..., None]).sum(axis=1))
+        mean, covariance = filters.smoothed(self.prior, self.length)
+        off = self.radius - (design @ mean[..., None])[..., 0]
+        own = ((design @ covariance) * design).sum(axis=2)
+        known = self.precision > 0
+        weight = (FREEDOM + 1) / (FREEDOM + (np.square(off) + own) / self.noise)
+        change = _by_angle(design)
+        rises = off * (change @ mean[..., None])[..., 0] - ((design @ covariance) * change).sum(axis=2)
+        found: Floats = np.bincount(self.stretch, (self.precision * rises)[self.own].sum(axis=1)).astype(np.float64)
+        self.precision = np.where(known, weight / self.noise, 0.0)
+        return np.radians(found)
+
+
+def _fit(rows: RowsOfPass, fields: Sequence[Field], where: Floats, noise: float, angle: float) -> Floats:
+    turned = replace(rows, angle=rows.angle + np.radians(angle))
+    mean, variance, _ = seen_by_all(fields, where[:, None], turned.design())
+    off = rows.radius - mean[:, 0]
+    fits: Floats = np.where(np.isnan(off), 0.0, student(off, variance[:, 0] + noise**2)).sum(axis=1)
+    return fits
