@@ -261,18 +261,24 @@ void register_wall(py::module_& m) {
             columns.validate(threads);
         },
         py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
+    py::class_<PointSamples>(m, "PointSamples")
+        .def(py::init([](const Column& depth, const Column& toolface, const Column& radius, int threads) {
+                 const SampleColumns columns = columns_of(depth, toolface, radius, std::nullopt);
+                 const WithoutGil released;
+                 return std::make_unique<PointSamples>(columns, threads);
+             }),
+             py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("threads"));
     m.def(
         "estimate_at",
-        [](const std::array<Column, 3>& samples, const std::array<Column, 5>& points, const py::dict& settings,
-           int threads, const std::vector<double>& nuggets) {
-            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+        [](const PointSamples& samples, const std::array<Column, 5>& points, const py::dict& settings, int threads,
+           const std::vector<double>& nuggets) {
             const PointColumns at{span_of(points[0]), span_of(points[1]), span_of(points[2]), span_of(points[3]),
                                   span_of(points[4])};
             const Settings with = settings_of(settings, threads, "automatic");
             PointEstimates of;
             {
                 const WithoutGil released;
-                of = estimate_at(columns, at, with, nuggets);
+                of = estimate_at(samples, at, with, nuggets);
             }
             py::list by_nugget;
             for (auto& column : of.by_nugget) by_nugget.append(array_of(std::move(column)));
@@ -282,6 +288,21 @@ void register_wall(py::module_& m) {
                                   array_of(std::move(of.across)), by_nugget);
         },
         py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"), py::arg("nuggets"));
+    m.def(
+        "nearest_to",
+        [](const PointSamples& samples, const std::array<Column, 5>& points, const py::dict& settings, double stretch,
+           int threads) {
+            const PointColumns at{span_of(points[0]), span_of(points[1]), span_of(points[2]), span_of(points[3]),
+                                  span_of(points[4])};
+            const Settings with = settings_of(settings, threads, "automatic");
+            std::vector<Index> rows;
+            {
+                const WithoutGil released;
+                rows = nearest_to(samples, at, with, stretch);
+            }
+            return array_of(std::move(rows), {static_cast<py::ssize_t>(at.depth.size()), with.neighbors});
+        },
+        py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("stretch"), py::arg("threads"));
     m.def(
         "fit_covariance",
         [](const std::array<Column, 3>& samples, Index block_size, double radius, double least_noise,

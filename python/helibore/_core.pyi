@@ -38,13 +38,23 @@ class Wall:
 
 def are_columns(depth: object, toolface: object, radius: object, time: object) -> bool: ...
 def check_samples(depth: Floats, toolface: Floats, radius: Floats, time: Floats | None, threads: int) -> None: ...
+class PointSamples:
+    def __init__(self, depth: Floats, toolface: Floats, radius: Floats, threads: int) -> None: ...
+
 def estimate_at(
-    samples: tuple[Floats, Floats, Floats],
+    samples: PointSamples,
     points: tuple[Floats, Floats, Floats, Floats, Floats],
     settings: dict[str, object],
     threads: int,
     nuggets: Sequence[float],
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, list[Floats]]: ...
+def nearest_to(
+    samples: PointSamples,
+    points: tuple[Floats, Floats, Floats, Floats, Floats],
+    settings: dict[str, object],
+    stretch: float,
+    threads: int,
+) -> Integers: ...
 def fit_covariance(
     samples: tuple[Floats, Floats, Floats],
     block_size: int,

@@ -31,12 +31,31 @@ struct PointEstimates {
     std::vector<double> square_weights, scatter, along, across;  // W, S, A and C of SigmaRule
 };
 
-// `samples` must be in canonical order, as Wall::samples returns them. The helix, the window and `direct` of the
+// Samples in canonical order, as Wall::samples returns them: copied and checked once, for many calls of estimate_at.
+// Throws InputError if columns differ in length, if depths fall, or if a depth, toolface or radius breaks its rule.
+class PointSamples {
+  public:
+    explicit PointSamples(const SampleColumns& samples, int threads = 1);
+    SampleColumns columns() const { return {columns_[0], columns_[1], columns_[2]}; }  // toolfaces lie in [0, 360)
+
+  private:
+    std::array<std::vector<double>, 3> columns_;
+};
+
+// The helix, the window and `direct` of the
 // settings have no effect. The neighbours of a point are searched for only once, also for several nuggets. Throws
-// InputError on a bad setting, with near_and_far, if columns differ in length, if depths of samples fall, or if a
-// depth, toolface, radius or nugget breaks its rule.
+// InputError on a bad setting, with near_and_far, if columns differ in length, or if a depth, toolface, radius or nugget
+// breaks its rule.
+PointEstimates estimate_at(const PointSamples& samples, const PointColumns& points, const Settings& settings,
+                           std::span<const double> nuggets = {});
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
+
+// Returns the rows of the `neighbors` nearest samples of each point, in canonical order; -1 where there are fewer. Arcs
+// at the trial radius count `stretch` times, which may be above the limit of angular_scale. Samples in the box of the
+// point and beyond max_distance do not count. Throws InputError as estimate_at, and unless `stretch` is above 0.
+std::vector<Index> nearest_to(const PointSamples& samples, const PointColumns& points, const Settings& settings,
+                              double stretch);
 
 // Returns the standard uncertainty of each radius, computed from its sums W, S, A and C, which are four columns of
 // equal length. It is NaN where the sums are NaN (no neighbours), and where A + C is above the square of `rule.reach`.

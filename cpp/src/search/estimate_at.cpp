@@ -32,11 +32,24 @@ struct Neighbour {
     std::size_t sample;
 };
 
-std::vector<double> wrapped(std::span<const double> toolface) {
-    std::vector<double> out(toolface.size());
-    std::ranges::transform(toolface, out.begin(), wrap_toolface);
-    return out;
+void wrap(std::vector<double>& toolface) {
+    std::ranges::transform(toolface, toolface.begin(), wrap_toolface);
 }
+
+struct CheckedPoints {
+    explicit CheckedPoints(const PointColumns& points)
+        : depth(copied(points.depth)),
+          toolface(copied(points.toolface)),
+          columns{depth, toolface, points.trial, points.box_depth, points.box_turn} {
+        for (const auto& column : {points.toolface, points.trial, points.box_depth, points.box_turn})
+            if (column.size() != depth.size()) throw InputError("points", "columns must have equal lengths");
+        require_finite("points.depth", depth);
+        require_finite("points.toolface", toolface);
+        wrap(toolface);
+    }
+    std::vector<double> depth, toolface;
+    PointColumns columns;
+};
 
 // Estimates groups of eight points. The toolfaces of its samples and points must lie in [0, 360).
 class PointEstimator {
@@ -52,15 +65,15 @@ class PointEstimator {
         rules_.sums = true;
     }
     void group(std::size_t first, kernel::Room& room, PointEstimates& out) const;
+    void find(std::size_t point, double trial, std::vector<Neighbour>& found) const;
 
   private:
     double turn(std::size_t sample, std::size_t point) const {
         const double away = std::abs(samples_.toolface[sample] - points_.toolface[point]);
         return std::min(away, 360.0 - away);
     }
-    void find(std::size_t point, double trial, std::vector<Neighbour>& found) const;
 
-    const SampleColumns& samples_;
+    const SampleColumns samples_;
     const PointColumns& points_;
     const Settings& settings_;
     std::span<const double> nuggets_;
@@ -181,36 +194,36 @@ void PointEstimator::group(std::size_t first, kernel::Room& room, PointEstimates
 
 }  // namespace
 
+PointSamples::PointSamples(const SampleColumns& samples, int threads)
+    : columns_{copied(samples.depth), copied(samples.toolface), copied(samples.radius)} {
+    columns().validate(threads);
+    require_order("depth", columns_[0]);
+    wrap(columns_[1]);
+}
+
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
+                           std::span<const double> nuggets) {
+    settings.validate();
+    return estimate_at(PointSamples(samples, settings.threads), points, settings, nuggets);
+}
+
+PointEstimates estimate_at(const PointSamples& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets) {
     settings.validate();
     if (settings.estimator == Estimator::near_and_far)
         throw InputError("estimator", "must be inverse distance or kriging at points", "near and far");
     const StandardArithmetic standard;
-    const std::size_t n = points.depth.size();
-    const std::size_t lengths[] = {points.toolface.size(), points.trial.size(), points.box_depth.size(),
-                                   points.box_turn.size()};
-    for (const std::size_t length : lengths)
-        if (length != n) throw InputError("points", "columns must have equal lengths");
-    const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
-    SampleColumns from{columns[0], columns[1], columns[2]};
-    from.validate(settings.threads);
-    require_order("depth", from.depth);
-    const std::vector<double> at_depth = copied(points.depth), at_toolface = copied(points.toolface);
-    require_finite("points.depth", at_depth);
-    require_finite("points.toolface", at_toolface);
     for (std::size_t i = 0; i < nuggets.size(); ++i)
         require(std::isfinite(nuggets[i]) && nuggets[i] >= 1e-6, entry_name("nuggets", static_cast<Index>(i)),
                 nuggets[i], "must be finite and at least 1e-6");
+    const CheckedPoints at(points);
+    const std::size_t n = points.depth.size();
     PointEstimates out;
     for (auto* column :
          {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.along, &out.across})
         column->resize(n);
     out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
-    const std::vector<double> of_samples = wrapped(from.toolface), of_points = wrapped(at_toolface);
-    from.toolface = of_samples;
-    const PointColumns at{at_depth, of_points, points.trial, points.box_depth, points.box_turn};
-    const PointEstimator estimator(from, at, settings, nuggets);
+    const PointEstimator estimator(samples.columns(), at.columns, settings, nuggets);
     const auto groups = static_cast<Index>((n + lanes - 1) / lanes);
     const int workers = threads_for(groups, groups_a_thread, settings.threads);
     const auto rooms = std::make_unique_for_overwrite<kernel::Room[]>(static_cast<std::size_t>(workers));
@@ -219,6 +232,30 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
             estimator.group(static_cast<std::size_t>(g) * lanes, rooms[static_cast<std::size_t>(worker)], out);
     });
     return out;
+}
+
+std::vector<Index> nearest_to(const PointSamples& samples, const PointColumns& points, const Settings& given,
+                              double stretch) {
+    given.validate();
+    require(std::isfinite(stretch) && stretch > 0.0, "stretch", stretch, "must be finite and above 0");
+    Settings settings = given;
+    settings.angular_scale = stretch;
+    const StandardArithmetic standard;
+    const CheckedPoints at(points);
+    const PointEstimator estimator(samples.columns(), at.columns, settings, {});
+    const auto wanted = static_cast<std::size_t>(settings.neighbors);
+    const auto n = static_cast<Index>(points.depth.size());
+    std::vector<Index> rows(points.depth.size() * wanted, -1);
+    const int workers = threads_for(n, groups_a_thread * static_cast<Index>(lanes), settings.threads);
+    for_each_range(workers, n, groups_a_part, [&](int, const Range& part) {
+        std::vector<Neighbour> found;
+        for (auto i = static_cast<std::size_t>(part.start); i < static_cast<std::size_t>(part.stop); ++i) {
+            estimator.find(i, points.trial[i], found);
+            std::ranges::transform(found, rows.begin() + static_cast<std::ptrdiff_t>(i * wanted),
+                                   [](const Neighbour& of) { return static_cast<Index>(of.sample); });
+        }
+    });
+    return rows;
 }
 
 std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums, const SigmaRule& rule) {

@@ -31,8 +31,8 @@ from helibore.wall.estimates import (
     find_kriging_range,
     in_depth_order,
 )
-from helibore.wall.near_and_far import Places, estimate_near_and_far
-from helibore.wall.tuning import errors_and_gains, tuning_of
+from helibore.wall.near_and_far import Place, Places, estimate_near_and_far
+from helibore.wall.tuning import errors_and_gains, tuning_with
 
 NEAR_BEST = 1.03
 """An estimator whose expected error is at most this multiple of the best may be taken."""
@@ -42,7 +42,7 @@ NEIGHBORS = 16
 """Neighbours of kriging, and of each of the three sets of near and far neighbours."""
 _ANGULAR_SCALES, _NUGGETS = (1.0, 2.0, 4.0, 8.0), (0.003, 0.02, 0.1, 0.4, 4.0)
 _PLACES = 80
-_LEFT_OUT = 300
+_TUNED, _LEFT_OUT = 2000, 300
 _LONGEST = 60.0  # metres: the greatest distance that is found
 LABELS = {
     "inverse-distance": "inverse distance",
@@ -110,7 +110,7 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     errors = {
         "inverse-distance": _expected(_inverse_distance(samples, covariance, simple, places)),
         "kriging": of_kriging,
-        "near-and-far": _expected(of_full.estimate(place)[1] for place in places),
+        "near-and-far": _expected(of_full.estimates(places)[:, 1]),
     }
     best = min(errors.values())
     chosen = next(name for name, error in errors.items() if error <= NEAR_BEST * best)
@@ -122,10 +122,10 @@ def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noi
 
     The errors are those at samples that are left out with an empty box around them, less the variance of noise.
     """
-    seed = content_seed(samples)
-    tuned = tuning_of(samples, simple, seed).best.settings
+    seed, threads = content_seed(samples), thread_count(None)
+    tuned = tuning_with(samples, simple, {}, _TUNED, threads, seed, _TUNED, may_continue=False).best.settings
     rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
-    found = [estimate_left_out(samples, rows, of, boxes, thread_count(None)).radius for of in (tuned, simple)]
+    found = [estimate_left_out(samples, rows, of, boxes, threads).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
     off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
     names = ("inverse-distance", tuned.estimator, "near-and-far")
@@ -155,32 +155,28 @@ def _expected(squares: Iterator[float] | Any) -> float:
     return float(np.sqrt(known.mean())) if known.size else np.inf
 
 
-_Place = tuple[float, float]
-
-
 def _metric(settings: Settings) -> Term:
     return Term(1.0, 1.0 / settings.angular_scale, 1.0)
 
 
 def _inverse_distance(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[_Place]
+    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
 ) -> Iterator[float]:
     among = Places(samples, covariance, settings.neighbors, _limit(settings))
-    for place in places:
-        rows = among.nearest(place, _metric(settings), settings.neighbors, (-1.0, -1.0))
+    for place, rows in zip(places, among.nearest(places, _metric(settings), settings.neighbors), strict=True):
         if rows.size:
             distance = np.maximum(_distances(among, rows, place, settings.angular_scale), 1e-9)
             weights = (distance.min() / distance) ** settings.power
             yield among.square_error(rows, weights / weights.sum(), place)
 
 
-def _distances(among: Places, rows: Integers, place: _Place, scale: float) -> Floats:
+def _distances(among: Places, rows: Integers, place: Place, scale: float) -> Floats:
     depth, toolface, _ = among.samples
     return np.hypot(scale * among.across(toolface[rows], place[1]), depth[rows] - place[0])
 
 
 def _best_kriging(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[_Place]
+    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
 ) -> tuple[Settings, float]:
     """Return the settings of kriging that have the least expected error, and this error."""
     tried = []
@@ -198,7 +194,7 @@ def _best_kriging(
 
 
 def _kriging(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[_Place]
+    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
 ) -> Iterator[list[float]]:
     """Yield for each place the expected square of the error with each of the nuggets."""
     among = Places(samples, covariance, NEIGHBORS, _limit(settings))
@@ -211,8 +207,7 @@ def _kriging(
         found: Floats = (1.0 - part) ** 4 * (1.0 + 4.0 * part)
         return found
 
-    for place in places:
-        rows = among.nearest(place, _metric(settings), NEIGHBORS, (-1.0, -1.0))
+    for place, rows in zip(places, among.nearest(places, _metric(settings), NEIGHBORS), strict=True):
         if not rows.size:
             yield [np.nan] * len(_NUGGETS)
             continue

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -50,7 +51,20 @@ class Estimates(NamedTuple):
     by_nugget: list[Floats]  # metres: radii by kriging, one array for each of the nuggets given
 
 
-def in_depth_order(caliper: Caliper) -> Columns:
+class Ordered(tuple[Floats, Floats, Floats]):
+    """Columns in order of depth; the core copies and checks them once, however many estimates are made from them."""
+
+    @cached_property
+    def in_core(self) -> _core.PointSamples:
+        return _core.PointSamples(*self, threads=1)
+
+
+def in_core(samples: Columns) -> _core.PointSamples:
+    """Return the core's copy of samples in order of depth."""
+    return (samples if isinstance(samples, Ordered) else Ordered(samples)).in_core
+
+
+def in_depth_order(caliper: Caliper) -> Ordered:
     """Return depth, toolface in [0, 360) and radius, sorted by depth; samples at equal depths keep their order."""
     depth, toolface, radius = caliper.depth, caliper.toolface, caliper.radius
     if np.any(depth[1:] < depth[:-1]):
@@ -59,7 +73,7 @@ def in_depth_order(caliper: Caliper) -> Columns:
     if np.any((toolface < 0.0) | (toolface >= 360.0)):
         toolface = np.mod(toolface, 360.0)
         toolface = np.where(toolface < 360.0, toolface, 0.0)
-    return depth, toolface, radius
+    return Ordered((depth, toolface, radius))
 
 
 def choose_left_out(
@@ -154,17 +168,17 @@ def estimate_left_out(
     else:
         settings = replace(settings, max_iterations=1)
     points = (depth[rows], toolface[rows], trial, *(box or (nothing, nothing)))
-    return Estimates(*_core.estimate_at(samples, points, vars(settings), threads, nuggets))
+    return Estimates(*_core.estimate_at(in_core(samples), points, vars(settings), threads, nuggets))
 
 
-def _spread(count: int, most: int) -> Integers:
+def spread(count: int, most: int) -> Integers:
     """Return up to ``most`` of ``count`` rows, spread evenly."""
     return distinct(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
 
 
 def _crowd(depth: Floats) -> float:
     """Return the mean number of samples within `_LEVEL` of the depth of a sample."""
-    rows = _spread(depth.size, 1000)
+    rows = spread(depth.size, 1000)
     starts, stops = (np.searchsorted(depth, depth[rows] + reach) for reach in (-_LEVEL, _LEVEL))
     return float(np.mean(stops - starts + 1))
 
@@ -177,7 +191,7 @@ def find_kriging_range(samples: Columns, settings: Settings) -> float:
     circumference at bit size.
     """
     depth = samples[0]
-    rows = _spread(depth.size, int(np.clip(_COMPARISONS / _crowd(depth), 2, 1000)))
+    rows = spread(depth.size, int(np.clip(_COMPARISONS / _crowd(depth), 2, 1000)))
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)
     farthest = estimate_left_out(samples, rows, simple).farthest
     farthest = farthest[farthest > 0]

@@ -7,17 +7,24 @@ left out, and a place has its expected error under the covariance.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, distinct
+from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term, covariance_of
-from helibore.wall.estimates import Boxes, Columns
+from helibore.wall.estimates import Boxes, Columns, in_core
 
 SHARE = 0.35
 """Size of a cell of the thinned set, as a share of the lengths of the long term; also in `near_far.cpp`."""
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
+
+Place = tuple[float, float]
+"""Depth (m) and toolface (degrees)."""
 
 
 class Places:
@@ -25,37 +32,25 @@ class Places:
 
     def __init__(self, samples: Columns, covariance: Covariance, count: int, max_distance: float) -> None:
         self.samples, self.covariance, self.count, self.max_distance = samples, covariance, count, max_distance
-        self._start = 0.5 * count * float(np.ptp(samples[0])) / samples[0].size + 0.02
         self._long = covariance.terms[min(1, len(covariance.terms) - 1)]
 
-    def rows_between(self, low: float, high: float) -> Integers:
-        """Return the rows of the samples with depths from ``low`` to ``high``."""
-        start, stop = np.searchsorted(self.samples[0], [low, high])
-        return np.arange(start, stop)
+    def nearest(self, places: Sequence[Place], term: Term, count: int, boxes: Boxes | None = None) -> list[Integers]:
+        """Return the rows of the nearest samples of each place by the lengths of a term, outside its box."""
+        depth, toolface = np.array(places).reshape(-1, 2).T.copy()
+        trial, none = np.full(depth.size, self.covariance.radius), np.full(depth.size, -1.0)
+        limit = None if np.isinf(self.max_distance) else self.max_distance
+        settings = Settings(bit_diameter=2.0 * self.covariance.radius, neighbors=count, max_distance=limit)
+        points = (depth, toolface, trial, *(boxes or (none, none)))
+        stretch = term.along / term.around
+        found = _core.nearest_to(in_core(self.samples), points, vars(settings), stretch, thread_count(None))
+        return [rows[rows >= 0] for rows in found]
 
-    def nearest(self, place: tuple[float, float], term: Term, count: int, box: tuple[float, float]) -> Integers:
-        """Return the rows of the nearest samples by the lengths of a term, outside the box (m, deg)."""
-        depth, toolface, _ = self.samples
-        half = self._start + max(box[0], 0.0)
-        while True:
-            rows = self._outside(self.rows_between(place[0] - half, place[0] + half), place, box)
-            along = depth[rows] - place[0]
-            across = self.across(toolface[rows], place[1])
-            rows, along, across = _within(self.max_distance, rows, along, across)
-            square = (across / term.around) ** 2 + (along / term.along) ** 2
-            whole = half > self.max_distance or (place[0] - half < depth[0] and place[0] + half > depth[-1])
-            if rows.size > count:
-                rows = rows[np.argpartition(square, count - 1)[:count]]
-                if whole or np.partition(square, count - 1)[count - 1] <= (half / term.along) ** 2:
-                    return rows
-            elif whole:
-                return rows
-            half *= 2.0
-
-    def neighbours(self, place: tuple[float, float], box: tuple[float, float] = (-1.0, -1.0)) -> Integers:
-        """Return the rows of the near and far neighbours of a place (depth m, toolface deg), in order."""
-        near = [self.nearest(place, term, self.count, box) for term in self.covariance.terms[:2]]
-        return distinct(np.concatenate([*near, self._far(place, box)]))
+    def neighbours(self, places: Sequence[Place], boxes: Boxes | None = None) -> list[Integers]:
+        """Return the rows of the near and far neighbours of each place, in order."""
+        near = [self.nearest(places, term, self.count, boxes) for term in self.covariance.terms[:2]]
+        sizes = np.column_stack(boxes or (np.full(len(places), -1.0),) * 2).tolist()
+        far = [self._far(place, box) for place, box in zip(places, sizes, strict=True)]
+        return [distinct(np.concatenate(rows)) for rows in zip(*near, far, strict=True)]
 
     def across(self, toolface: Floats, at: float) -> Floats:
         """Return the arc lengths from toolfaces to another, metres."""
@@ -63,7 +58,7 @@ class Places:
         found: Floats = np.radians(np.minimum(turn, 360.0 - turn)) * self.covariance.radius
         return found
 
-    def _outside(self, rows: Integers, place: tuple[float, float], box: tuple[float, float]) -> Integers:
+    def _outside(self, rows: Integers, place: Place, box: Sequence[float]) -> Integers:
         if box[0] < 0:
             return rows
         depth, toolface, _ = self.samples
@@ -71,14 +66,14 @@ class Places:
         turn = np.minimum(turn, 360.0 - turn)
         return rows[(np.abs(depth[rows] - place[0]) > box[0]) | (turn > box[1])]
 
-    def _far(self, place: tuple[float, float], box: tuple[float, float]) -> Integers:
+    def _far(self, place: Place, box: Sequence[float]) -> Integers:
         depth, toolface, _ = self.samples
         height = SHARE * self._long.along
         around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (SHARE * self._long.around)))
         half = min(self.max_distance, 1.5 * self._long.along + box[0])
         first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
-        rows = self.rows_between(first, last)
-        rows = self._outside(rows[:: 1 + rows.size // _MOST_FAR], place, box)
+        start, stop = np.searchsorted(depth, [first, last])
+        rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)
         cell = np.floor(depth[rows] / height) * around + np.floor(toolface[rows] * (around / 360.0))
         rows = rows[np.unique(cell, return_index=True)[1]]
         along, across = depth[rows] - place[0], self.across(toolface[rows], place[1])
@@ -92,14 +87,17 @@ class Places:
         turn, along = toolface[rows][:, None] - toolface[rows], depth[rows][:, None] - depth[rows]
         return self.covariance.at(turn, along) + self.covariance.noise * np.eye(rows.size)
 
-    def toward(self, rows: Integers, place: tuple[float, float]) -> Floats:
+    def toward(self, rows: Integers, place: Place) -> Floats:
         """Return the covariances of samples with the radius at a place."""
         depth, toolface, _ = self.samples
         return self.covariance.at(toolface[rows] - place[1], depth[rows] - place[0])
 
-    def estimate(self, place: tuple[float, float], box: tuple[float, float] = (-1.0, -1.0)) -> tuple[float, float]:
-        """Return the radius at a place (m) and its kriging variance (m^2); NaN if it has no neighbour."""
-        rows = self.neighbours(place, box)
+    def estimates(self, places: Sequence[Place], boxes: Boxes | None = None) -> Floats:
+        """Return the radius at each place (m) and its kriging variance (m^2), (m, 2); NaN if it has no neighbour."""
+        rows = self.neighbours(places, boxes)
+        return np.array([self._estimate(*each) for each in zip(places, rows, strict=True)]).reshape(-1, 2)
+
+    def _estimate(self, place: Place, rows: Integers) -> tuple[float, float]:
         if not rows.size:
             return np.nan, np.nan
         toward, radius = self.toward(rows, place), self.samples[2][rows]
@@ -110,7 +108,7 @@ class Places:
         variance = self.covariance.variance - toward @ of_place + (1.0 - of_place.sum()) ** 2 / one.sum()
         return float(estimate), max(float(variance), 0.0)
 
-    def square_error(self, rows: Integers, weights: Floats, place: tuple[float, float]) -> float:
+    def square_error(self, rows: Integers, weights: Floats, place: Place) -> float:
         """Return the expected square of the error of a weighted mean of samples at a place, m^2."""
         expected = weights @ self.between(rows) @ weights - 2.0 * weights @ self.toward(rows, place)
         return max(float(self.covariance.variance + expected), 0.0)
@@ -129,10 +127,5 @@ def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, 
     """
     limit = np.inf if settings.max_distance is None else settings.max_distance
     among = Places(samples, covariance_of(settings.covariance or ()), settings.neighbors, limit)
-    depth, toolface, _ = samples
-    heights, widths = box or (np.zeros(rows.size), np.zeros(rows.size))
-    found = [
-        among.estimate((depth[row], toolface[row]), (height, width))
-        for row, height, width in zip(rows, heights, widths, strict=True)
-    ]
-    return np.array(found).reshape(-1, 2)
+    places = list(zip(samples[0][rows].tolist(), samples[1][rows].tolist(), strict=True))
+    return among.estimates(places, box or (np.zeros(rows.size), np.zeros(rows.size)))

@@ -27,7 +27,6 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.notebook import card
-from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.continuation import LEAST_GAIN, find_continuation
 from helibore.wall.estimates import (
@@ -169,14 +168,11 @@ def _millimetres(of: Candidate) -> str:
     return f"{1e3 * of.alone:.3g} mm beside samples and {1e3 * of.box:.3g} mm in gaps"
 
 
-def tuning_of(samples: Columns, settings: Settings, seed: int, targets: int = 2000) -> Tuning:
-    """Return what `tune` finds for samples in the order of depth and settings that it may change."""
-    return tuning_with(samples, settings, {}, targets, thread_count(None), seed, boxes=targets)
-
-
 def tuning_with(
-    samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int, boxes: int
-) -> Tuning:
+    samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int, boxes: int,
+    may_continue: bool = True,
+) -> Tuning:  # fmt: skip
+    """Find the settings that rebuild a hole best. ``may_continue``: False if the tool is known to measure most turns."""
     depth, _, radius = samples
     rows, around = choose_left_out(samples, settings, targets, seed, "to tune", boxes)
     kinds: tuple[Boxes | None, ...] = (None, around)
@@ -204,7 +200,9 @@ def tuning_with(
         for each, trial, of_kind in zip(kinds, trials, errors, strict=True):
             found = estimate_left_out(samples, rows, ready, each, threads, trial, nuggets)
             of_kind += [of - radius[rows] for of in found.by_nugget or [found.radius]]
-    along, gain = (None, np.nan) if TUNED_ALONG & fixed.keys() else find_continuation(samples, first, seed)
+    along, gain = None, np.nan
+    if may_continue and not TUNED_ALONG & fixed.keys():
+        along, gain = find_continuation(samples, first, seed)
     if along:
         tried.append(along)
         for each, of_kind in zip(kinds, errors, strict=True):

@@ -170,15 +170,33 @@ def test_blocks_hold_samples_of_their_window() -> None:
     assert np.all(np.diff(spans[2:]) > 0)
 
 
+@pytest.mark.parametrize("term", [Term(1.0, 0.1, 0.05), Term(1.0, 0.02, 40.0)], ids=["short", "longer than any scale"])
+def test_nearest_samples_lie_outside_the_box_within_max_distance(term: Term) -> None:
+    rng = np.random.default_rng(12)
+    depth, toolface = np.sort(rng.uniform(0.0, 3.0, 500)), rng.uniform(0.0, 360.0, 500)
+    covariance = Covariance((term,), 1e-7, 0.11)
+    where, angle = rng.uniform(0.0, 3.0, 40), rng.uniform(0.0, 360.0, 40)
+    boxes = rng.uniform(0.0, 0.2, 40), rng.uniform(0.0, 60.0, 40)
+    places = Places((depth, toolface, np.full(500, 0.1)), covariance, 8, 0.15)
+    found = places.nearest(list(zip(where.tolist(), angle.tolist(), strict=True)), term, 8, boxes)
+    for i, rows in enumerate(found):
+        along, turn = np.abs(depth - where[i]), np.abs(toolface - angle[i])
+        turn = np.minimum(turn, 360.0 - turn)
+        across = np.radians(turn) * 0.11
+        free = np.flatnonzero((np.hypot(along, across) <= 0.15) & ~((along <= boxes[0][i]) & (turn <= boxes[1][i])))
+        square = (along / term.along) ** 2 + (across / term.around) ** 2
+        np.testing.assert_array_equal(rows, np.sort(free[np.argsort(square[free])[:8]]))
+
+
 def test_the_expected_error_of_kriging_weights_is_the_kriging_variance() -> None:
     rng = np.random.default_rng(8)
     depth, toolface = np.sort(rng.uniform(0.0, 3.0, 200)), rng.uniform(0.0, 360.0, 200)
     covariance = Covariance((Term(1e-6, 0.05, 0.06), Term(9e-6, 0.1, 1.0)), 1e-7, 0.11)
     places = Places((depth, toolface, np.full(200, 0.1)), covariance, 8, 1.0)
     place = (1.4, 33.0)
-    rows = places.neighbours(place)
+    (rows,) = places.neighbours([place])
     one = np.ones(rows.size)
     inverse = np.linalg.inv(places.between(rows))
     toward = places.toward(rows, place)
     weights = inverse @ (toward + one * (1.0 - one @ inverse @ toward) / (one @ inverse @ one))
-    assert places.square_error(rows, weights, place) == pytest.approx(places.estimate(place)[1], rel=1e-9)
+    assert places.square_error(rows, weights, place) == pytest.approx(places.estimates([place])[0, 1], rel=1e-9)
