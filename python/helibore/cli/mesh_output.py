@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +62,17 @@ def write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
     for name, unit, decimals in CENTRE_COLUMNS:
         columns[name + unit] = (getattr(found, name).astype(np.float64), decimals)
     write_table(file, columns)
+
+
+def gain_lines(run: Run) -> Lines:
+    """Return a line on what the estimator 'automatic' would gain over inverse distance; none if it cannot say that."""
+    from helibore.wall.automatic import choose
+
+    settings = run.wall.settings
+    if run.wall.basis != "azimuthal" or settings.estimator != "inverse-distance" or run.tune:
+        return []
+    gain = choose(run.wall.samples, replace(settings, estimator="automatic")).gain
+    return [("accuracy", gain)] if gain else []
 
 
 def error_lines(run: Run, threads: int | None) -> Lines:

@@ -78,6 +78,17 @@ class Choice:
         others = [f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen]
         return f"{LABELS[chosen]}: expected error {1e3 * self.errors[chosen]:.3g} mm; {', '.join(others)}"
 
+    @property
+    def gain(self) -> str:
+        """What choosing gains over inverse distance, in words; "" if no covariance was fitted."""
+        if self.reason:
+            return ""
+        simple, chosen = self.errors["inverse-distance"], self.settings.estimator
+        text = f"inverse distance: expected error {1e3 * simple:.3g} mm"
+        if chosen == "inverse-distance":
+            return f"{text}; --estimator automatic finds no better one"
+        return f"{text}; with --estimator automatic {1e3 * self.errors[chosen]:.3g} mm, by {LABELS[chosen]}"
+
 
 def choose(caliper: Caliper, settings: Settings) -> Choice:
     """Choose the estimator for the samples of a hole, and its settings.

@@ -172,7 +172,7 @@ def tuning_with(
     samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int, boxes: int,
     may_continue: bool = True,
 ) -> Tuning:  # fmt: skip
-    """Find the settings that rebuild a hole best. ``may_continue``: False if the tool is known to measure most turns."""
+    """Find the settings that rebuild a hole best; ``may_continue`` is False if the tool measures most of each turn."""
     depth, _, radius = samples
     rows, around = choose_left_out(samples, settings, targets, seed, "to tune", boxes)
     kinds: tuple[Boxes | None, ...] = (None, around)

@@ -410,12 +410,12 @@ def test_tune_builds_the_wall_with_the_settings_it_finds(folder: Path, tmp_path:
     assert again.read_bytes() == mesh.read_bytes()
 
 
-def test_reconstruct_prints_its_error_and_what_tuning_would_gain(folder: Path, tmp_path: Path) -> None:
+def test_reconstruct_first_prints_its_error_and_what_another_estimator_would_gain(folder: Path, tmp_path: Path) -> None:
     result = run("reconstruct", folder / "caliper.csv", "-o", tmp_path / "wall.ply", "--bit-diameter", "216mm")
-    pattern = (
-        r"error     inverse distance, angular_scale 1, neighbors 8: cross-validated error [\d.]+ mm beside samples"
-    )
-    assert re.search(pattern, result.output)
+    pattern = r"accuracy  inverse distance: expected error ([\d.]+) mm; with --estimator automatic ([\d.]+) mm, by kriging"
+    first = re.match(pattern, result.output)
+    assert first
+    assert float(first[2]) < float(first[1])
 
 
 def test_tune_does_not_go_with_what_it_finds(folder: Path) -> None:
