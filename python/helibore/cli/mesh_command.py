@@ -139,7 +139,8 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     if not options["quiet"]:
         gain = gain_lines(run) if verb == "reconstruct" else []
         sure = error_lines(run, options["threads"]) if verb == "reconstruct" and not gain else []
-        terminal.summary([*gain, *run.messages, *made_lines(run, made, ends), *sure, *saved, ("time", terminal.times())])
+        end = [*sure, *saved, ("time", terminal.times())]
+        terminal.summary([*gain, *run.messages, *made_lines(run, made, ends), *end])
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:

@@ -66,13 +66,20 @@ def write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 def gain_lines(run: Run) -> Lines:
     """Return a line on what the estimator 'automatic' would gain over inverse distance; none if it cannot say that."""
-    from helibore.wall.automatic import choose
+    from helibore.wall.automatic import LABELS, choose
 
     settings = run.wall.settings
     if run.wall.basis != "azimuthal" or settings.estimator != "inverse-distance" or run.tune:
         return []
-    gain = choose(run.wall.samples, replace(settings, estimator="automatic")).gain
-    return [("accuracy", gain)] if gain else []
+    choice = choose(run.wall.samples, replace(settings, estimator="automatic"))
+    if choice.reason:
+        return []
+    chosen = choice.settings.estimator
+    text = f"inverse distance: expected error {1e3 * choice.errors['inverse-distance']:.3g} mm"
+    if chosen == "inverse-distance":
+        return [("accuracy", f"{text}; --estimator automatic finds no better one")]
+    better = f"{1e3 * choice.errors[chosen]:.3g} mm, by {LABELS[chosen]}"
+    return [("accuracy", f"{text}; with --estimator automatic {better}")]
 
 
 def error_lines(run: Run, threads: int | None) -> Lines:

@@ -42,7 +42,7 @@ NEIGHBORS = 16
 """Neighbours of kriging, and of each of the three sets of near and far neighbours."""
 _ANGULAR_SCALES, _NUGGETS = (1.0, 2.0, 4.0, 8.0), (0.003, 0.02, 0.1, 0.4, 4.0)
 _PLACES = 80
-_TUNED, _LEFT_OUT = 2000, 300
+_TUNED, _LEFT_OUT = 2000, 1000
 _LONGEST = 60.0  # metres: the greatest distance that is found
 LABELS = {
     "inverse-distance": "inverse distance",
@@ -77,17 +77,6 @@ class Choice:
         chosen = self.settings.estimator
         others = [f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen]
         return f"{LABELS[chosen]}: expected error {1e3 * self.errors[chosen]:.3g} mm; {', '.join(others)}"
-
-    @property
-    def gain(self) -> str:
-        """What choosing gains over inverse distance, in words; "" if no covariance was fitted."""
-        if self.reason:
-            return ""
-        simple, chosen = self.errors["inverse-distance"], self.settings.estimator
-        text = f"inverse distance: expected error {1e3 * simple:.3g} mm"
-        if chosen == "inverse-distance":
-            return f"{text}; --estimator automatic finds no better one"
-        return f"{text}; with --estimator automatic {1e3 * self.errors[chosen]:.3g} mm, by {LABELS[chosen]}"
 
 
 def choose(caliper: Caliper, settings: Settings) -> Choice:

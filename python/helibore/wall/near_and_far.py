@@ -23,6 +23,9 @@ SHARE = 0.35
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
 
+_AT_ONCE = 200
+"""Systems that are solved at once."""
+
 Place = tuple[float, float]
 """Depth (m) and toolface (degrees)."""
 
@@ -74,39 +77,52 @@ class Places:
         first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
         start, stop = np.searchsorted(depth, [first, last])
         rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)
-        cell = np.floor(depth[rows] / height) * around + np.floor(toolface[rows] * (around / 360.0))
-        rows = rows[np.unique(cell, return_index=True)[1]]
+        column = np.minimum((toolface[rows] * (around / 360.0)).astype(np.int64), around - 1)
+        cell = np.floor((depth[rows] - first) / height).astype(np.int64) * around + column
+        of_cell = np.full(cell.max(initial=-1) + 1, -1)
+        of_cell[cell[::-1]] = rows[::-1]  # the first row of a cell is assigned last
+        rows = of_cell[of_cell >= 0]
         along, across = depth[rows] - place[0], self.across(toolface[rows], place[1])
         rows, along, across = _within(self.max_distance, rows, along, across)
         square = (across / self._long.around) ** 2 + (along / self._long.along) ** 2
         return rows if rows.size <= self.count else rows[np.argpartition(square, self.count - 1)[: self.count]]
 
     def between(self, rows: Integers) -> Floats:
-        """Return the covariances of samples with each other, noise included."""
+        """Return the covariances of samples with each other, noise included; of m rows of n samples, (m, n, n)."""
         depth, toolface, _ = self.samples
-        turn, along = toolface[rows][:, None] - toolface[rows], depth[rows][:, None] - depth[rows]
-        return self.covariance.at(turn, along) + self.covariance.noise * np.eye(rows.size)
+        turn, along = (of[rows][..., :, None] - of[rows][..., None, :] for of in (toolface, depth))
+        return self.covariance.at(turn, along) + self.covariance.noise * np.eye(rows.shape[-1])
 
-    def toward(self, rows: Integers, place: Place) -> Floats:
+    def toward(self, rows: Integers, place: tuple[Floats, Floats] | Place) -> Floats:
         """Return the covariances of samples with the radius at a place."""
         depth, toolface, _ = self.samples
         return self.covariance.at(toolface[rows] - place[1], depth[rows] - place[0])
 
     def estimates(self, places: Sequence[Place], boxes: Boxes | None = None) -> Floats:
         """Return the radius at each place (m) and its kriging variance (m^2), (m, 2); NaN if it has no neighbour."""
-        rows = self.neighbours(places, boxes)
-        return np.array([self._estimate(*each) for each in zip(places, rows, strict=True)]).reshape(-1, 2)
+        rows, found = self.neighbours(places, boxes), np.full((len(places), 2), np.nan)
+        for first in range(0, len(places), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            found[part] = self._estimates(places[part], rows[part])
+        return found
 
-    def _estimate(self, place: Place, rows: Integers) -> tuple[float, float]:
-        if not rows.size:
-            return np.nan, np.nan
-        toward, radius = self.toward(rows, place), self.samples[2][rows]
-        sides = np.stack([np.ones(rows.size), radius - self.covariance.radius, toward], axis=1)
-        one, value, of_place = np.linalg.solve(self.between(rows), sides).T
-        mean = value.sum() / one.sum()
-        estimate = self.covariance.radius + mean + toward @ (value - mean * one)
-        variance = self.covariance.variance - toward @ of_place + (1.0 - of_place.sum()) ** 2 / one.sum()
-        return float(estimate), max(float(variance), 0.0)
+    def _estimates(self, places: Sequence[Place], rows: list[Integers]) -> Floats:
+        """Solve all systems at once: those of fewer neighbours have rows of 0 more, and 1 on the diagonal."""
+        counts = np.array([of.size for of in rows])
+        used = np.arange(max(counts.max(), 1)) < counts[:, None]
+        all_rows = np.zeros(used.shape, dtype=np.int64)
+        all_rows[used] = np.concatenate(rows)
+        matrix = np.where(used[:, :, None] & used[:, None], self.between(all_rows), np.eye(used.shape[1]))
+        at = np.array(places).T[..., None]
+        toward = used * self.toward(all_rows, (at[0], at[1]))
+        radius = used * (self.samples[2][all_rows] - self.covariance.radius)
+        one, value, of_place = np.moveaxis(np.linalg.solve(matrix, np.stack([1.0 * used, radius, toward], -1)), -1, 0)
+        with np.errstate(divide="ignore", invalid="ignore"):  # without a neighbour 0 / 0
+            mean = value.sum(axis=1) / one.sum(axis=1)
+            rest = (1.0 - of_place.sum(axis=1)) ** 2 / one.sum(axis=1)
+        estimate = self.covariance.radius + mean + np.sum(toward * (value - mean[:, None] * one), axis=1)
+        variance = np.maximum(self.covariance.variance - np.sum(toward * of_place, axis=1) + rest, 0.0)
+        return np.where(counts[:, None] > 0, np.column_stack([estimate, variance]), np.nan)
 
     def square_error(self, rows: Integers, weights: Floats, place: Place) -> float:
         """Return the expected square of the error of a weighted mean of samples at a place, m^2."""
