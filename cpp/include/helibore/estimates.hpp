@@ -42,10 +42,9 @@ class PointSamples {
     std::array<std::vector<double>, 3> columns_;
 };
 
-// The helix, the window and `direct` of the
-// settings have no effect. The neighbours of a point are searched for only once, also for several nuggets. Throws
-// InputError on a bad setting, with near_and_far, if columns differ in length, or if a depth, toolface, radius or nugget
-// breaks its rule.
+// The helix, the window and `direct` of the settings have no effect. The neighbours of a point are searched for only
+// once, also for several nuggets. Throws InputError on a bad setting, with near_and_far, if columns differ in length,
+// or if a depth, toolface, radius or nugget breaks its rule.
 PointEstimates estimate_at(const PointSamples& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
