@@ -36,7 +36,7 @@ from helibore.wall.tuning import errors_and_gains, tuning_with
 
 NEAR_BEST = 1.03
 """An estimator whose expected error is at most this multiple of the best may be taken."""
-CERTAIN = 1.0
+CERTAIN = 2.0
 """Standard errors by which near and far neighbours must be better at samples that are left out."""
 NEIGHBORS = 16
 """Neighbours of kriging, and of each of the three sets of near and far neighbours."""

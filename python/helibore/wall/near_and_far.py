@@ -73,7 +73,7 @@ class Places:
         depth, toolface, _ = self.samples
         height = SHARE * self._long.along
         around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (SHARE * self._long.around)))
-        half = min(self.max_distance, 1.5 * self._long.along + box[0])
+        half = min(self.max_distance, 1.5 * self._long.along + max(box[0], 0.0))
         first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
         start, stop = np.searchsorted(depth, [first, last])
         rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)

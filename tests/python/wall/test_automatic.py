@@ -188,6 +188,13 @@ def test_nearest_samples_lie_outside_the_box_within_max_distance(term: Term) -> 
         np.testing.assert_array_equal(rows, np.sort(free[np.argsort(square[free])[:8]]))
 
 
+def test_far_neighbours_of_a_shape_that_is_short_along_the_hole_are_found_without_a_box() -> None:
+    depth, toolface = np.arange(400) * 0.01, np.arange(400) * 37.0 % 360.0
+    covariance = Covariance((Term(1e-6, 0.02, 0.02), Term(9e-6, 0.1, 0.4)), 1e-7, 0.11)
+    (rows,) = Places((depth, toolface, np.full(400, 0.1)), covariance, 4, 1.0).neighbours([(2.0, 10.0)])
+    assert rows.size > 5
+
+
 def test_the_expected_error_of_kriging_weights_is_the_kriging_variance() -> None:
     rng = np.random.default_rng(8)
     depth, toolface = np.sort(rng.uniform(0.0, 3.0, 200)), rng.uniform(0.0, 360.0, 200)
