@@ -65,7 +65,7 @@ py::dict unworn_columns(const Column& radius, int sectors, double start_toolface
     const Turns turns{.start_toolface = start_toolface, .sectors = sectors, .radius = span_of(radius)};
     UnwornTurns found;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         found = unworn_turns(turns, bit_diameter, span_of(counts), threads);
     }
     py::dict columns;
@@ -91,7 +91,7 @@ py::dict passage_columns(const std::tuple<double, double, double, int, Index>& h
     for (const auto& [start, stop, diameter] : bodies) string.push_back({start, stop, diameter});
     Passage found;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         found = passage({start_depth, start_toolface, pitch, sectors, first, span_of(radius)}, path, string,
                         span_of(counts), span_of(sigma), threads);
     }

@@ -119,7 +119,16 @@ class Program:
         if len(wall) < 100:
             return
         logs = wall.logs()
-        chance.choice([lambda: logs.coverage, lambda: logs.section, wall.zones, wall.summary, lambda: wall.measured])()
+        chance.choice(
+            [
+                lambda: logs.coverage,
+                lambda: logs.section,
+                wall.zones,
+                wall.summary,
+                lambda: wall.measured,
+                lambda: wall.drift(0.3),
+            ]
+        )()
 
     def interpolate(self, wall: Any, chance: random.Random) -> None:
         """Interpolate at the vertices and at other points."""
@@ -266,6 +275,7 @@ def main() -> int:
 
     folder = Path(tempfile.mkdtemp())
     warm = Program(0, True, given.seconds, folder)
+    import helibore.logs.passage
     import helibore.wall.automatic  # noqa: F401
 
     for step in warm.steps():  # imports what steps need: one that a signal interrupts is of no use to the signal

@@ -71,6 +71,12 @@ def test_bindings_release_python_before_they_loop_and_hold_no_algorithm() -> Non
     assert not list(lines_with(r"std::sort|std::sqrt|\bwhile\b", [p for p in BINDINGS if p.name != "arrays.hpp"]))
 
 
+def test_bindings_release_python_so_that_a_program_may_end_meanwhile() -> None:
+    """``gil.hpp`` says why; pybind11's own class ends the program then, now and then."""
+    assert not list(lines_with(r"\bgil_scoped_(release|acquire)\b|\bPyEval_(Save|Restore)Thread\b",
+                               [path for path in BINDINGS if path.name != "gil.hpp"]))  # fmt: skip
+
+
 @pytest.mark.parametrize("call", ["asarray", "ascontiguousarray", "asanyarray"])
 def test_one_file_takes_arrays(call: str) -> None:
     """In the package and all its sub-packages."""
