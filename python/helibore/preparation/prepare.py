@@ -404,8 +404,8 @@ class _Pipeline:
     def _drop_spikes(self, threshold: float, of_arms: bool) -> None:
         """Drop samples that disagree with the turns beside theirs: of tools that turn, or of tools with few arms.
 
-        Each row of a tool with few arms, which moves more than a metre in a rotation, is a turn. A tool without
-        toolface has no turns.
+        Each row of a tool with few arms, which moves more than a metre in a rotation or does not turn, is a turn.
+        One arm that does not turn has no turns.
         """
         samples, first = self.samples, 0
         turn = np.full(samples.depth.size, -1)
@@ -414,9 +414,10 @@ class _Pipeline:
             own: Integers | None = None
             if not mine.size or (not (one.is_image or one.turning or self.settings.turn_height) and not of_arms):
                 continue
-            if one.is_image or not one.turning or self.settings.turn_height:
+            alone = not one.turning and len(one.sensors) == 1
+            if one.is_image or alone or self.settings.turn_height:
                 own = self._turns_of(one, mine)[0].astype(np.int64)
-            else:
+            elif one.turning:
                 own = _core.turns_by_rotation(one.toolface, samples.row[mine], samples.depth[mine])
             if (own is None) is not of_arms:
                 continue

@@ -426,6 +426,18 @@ def test_two_calipers_of_four_arms_are_no_imaging_tool() -> None:
     assert replace(found, sensors=tuple(replace(each, offset=0.0) for each in arms)).is_image
 
 
+def test_spikes_of_diameters_without_toolface_are_judged_by_rows() -> None:
+    rng = np.random.default_rng(6)
+    sizes = {name: 8.5 + rng.normal(0, 0.02, N) for name in ("DCHO", "DCVE")}
+    sizes["DCHO"][40] = 15.25
+    one = log(md__m=100 + 0.05 * np.arange(N), **{f"{name}__in": size for name, size in sizes.items()})
+    angles = (("DCHO", 90.0), ("DCVE", 0.0))
+    roles = overlay(guess(one), one, {name: {"role": "diameter", "angle": angle} for name, angle in angles})
+    caliper = prepare(one.readings(roles), Preparation(spikes=6.0)).caliper
+    assert len(caliper) == 4 * N - 2
+    assert caliper.radius.max() < 0.12
+
+
 def building() -> hb.Survey:
     return hb.Survey([0.0, 50.0, 200.0], [0.0, 0.0, 60.0], [70.0, 70.0, 70.0])
 
