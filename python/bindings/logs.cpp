@@ -132,11 +132,11 @@ py::array_t<std::uint8_t> measured(const std::tuple<double, double, double, Inde
     return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
-// The library as Python keeps it: sections, counts, size, weight.
-using GivenLibrary = std::tuple<Column, std::array<Index, hole_kinds>, Column, Column>;
+// The library as Python keeps it: sections, counts, size, weight, chance.
+using GivenLibrary = std::tuple<Column, std::array<Index, hole_kinds>, Column, Column, Column>;
 SectionLibrary library_of(const GivenLibrary& given) {
-    const auto& [sections, counts, size, weight] = given;
-    return {span_of(sections), counts, span_of(size), span_of(weight)};
+    const auto& [sections, counts, size, weight, chance] = given;
+    return {span_of(sections), counts, span_of(size), span_of(weight), span_of(chance)};
 }
 
 py::tuple section_library(double bit_diameter, const std::array<double, 5>& criteria, bool even) {
@@ -144,7 +144,7 @@ py::tuple section_library(double bit_diameter, const std::array<double, 5>& crit
     DrawnSections drawn =
         helibore::section_library(bit_diameter, {elongation, washout, key_seat, undergauge, symmetry}, even);
     return py::make_tuple(array_of(std::move(drawn.sections)), drawn.counts, array_of(std::move(drawn.size)),
-                          array_of(std::move(drawn.weight)));
+                          array_of(std::move(drawn.weight)), array_of(std::move(drawn.chance)));
 }
 
 py::tuple chained_kinds(const Column& sections, double height, const Column& wanted,

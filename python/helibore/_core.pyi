@@ -144,7 +144,7 @@ def unworn_columns(
     radius: Floats, sectors: int, start_toolface: float, bit_diameter: float, counts: Floats, threads: int
 ) -> dict[str, Floats]: ...
 
-_Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]
+_Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats, Floats]
 
 def section_library(
     bit_diameter: float, criteria: tuple[float, float, float, float, float], even: bool

@@ -72,6 +72,8 @@ void refused() {
     SectionLibrary weighed = two.library();
     weighed.weight = weight;
     CHECK_THROWS(InputError, "weight[1] = 0: must be finite and above 0", likely_along({}, 1.0, weighed, rule));
+    weighed.weight = {}, weighed.chance = weight;
+    CHECK_THROWS(InputError, "chance[1] = 0: must be finite and above 0", likely_along({}, 1.0, weighed, rule));
     CHECK_THROWS(InputError, "sections = 0: must be 32 lengths for each of one or more sections",
                  likely_kind({}, two.library()));
     CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", section_library(0.0, {}, false));

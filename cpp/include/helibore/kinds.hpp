@@ -29,6 +29,7 @@ struct SectionLibrary {
     std::array<Index, hole_kinds> counts{};  // of sections of each kind
     std::span<const double> size;            // of each section: a number whose mean is wanted
     std::span<const double> weight;          // how many sections each stands for, above 0; empty: 1
+    std::span<const double> chance{};        // how likely one is along a hole beside others of its kind; empty: 1
 };
 
 // Limits by which a section is of a kind, as a turn is: metres, but for `symmetry`, a share.
@@ -37,15 +38,17 @@ struct KindCriteria {
 };
 
 struct DrawnSections {
-    std::vector<double> sections, size, weight;  // size: mean squared radius, m2
+    std::vector<double> sections, size, weight, chance;  // size: mean squared radius, m2
     std::array<Index, hole_kinds> counts{};
 
-    SectionLibrary library() const { return {sections, counts, size, weight}; }
+    SectionLibrary library() const { return {sections, counts, size, weight, chance}; }
 };
 
 // Draws round, oval and lobed sections of many sizes, widths and directions, and slots of pipes, for a bit. Kinds:
 // gauge, washout, breakout, key seat, undergauge. `even`: as a tool sees them that measures diameters. A section that
-// equals itself turned by 180 degrees is there once for both. Throws InputError if the bit has no size.
+// equals itself turned by 180 degrees is there once for both. Chances: a gauge hole is lobed in one of fifteen cases,
+// though most gauge sections are; two small lobes, as a slot has them by diameters, are less likely than the slot.
+// Throws InputError if the bit has no size.
 DrawnSections section_library(double bit_diameter, const KindCriteria& criteria, bool even);
 
 // The libraries of a bit, each drawn when it is first asked for, and kept. Copies share them; any thread may ask.
@@ -76,8 +79,10 @@ struct ChainRule {
 
 // One row for each window.
 struct LikelyAlong {
-    std::vector<double> kinds;              // hole_kinds probabilities
-    std::vector<double> size, size_square;  // mean of the size and of its square among the likely sections
+    std::vector<double> kinds;  // hole_kinds probabilities
+    // Mean of the size and of its square among the likely sections. Chances do not count: where a lobe ends it is
+    // small.
+    std::vector<double> size, size_square;
 };
 
 // `windows`: section_parts for each window, NaN where no sample lies; `length`: of a window, metres. The result does

@@ -64,7 +64,8 @@ inline Float4 exponentials(Float4 x) {
 
 // The library in the order of kinds. Sections of eight stand part by part: [eight][part][of eight].
 struct Sections {
-    std::vector<float> of, size, weight;               // weight: 0 for what fills up an eight
+    std::vector<float> of, size, weight;  // weight: 0 for what fills up an eight; with the chance
+    std::vector<float> without_chance;    // by what a probability is multiplied so that chances do not count
     std::array<std::size_t, hole_kinds + 1> starts{};  // of the kinds
     std::array<float, hole_kinds> each{};              // 1 / sum of the weights of the kind
 
@@ -84,16 +85,24 @@ std::size_t checked_count(const SectionLibrary& library) {
     require_length("sections", library.sections.size(), section_parts * library.size.size(), "32 times counts");
     require_finite("sections", library.sections);
     require_finite("size", library.size);
-    if (library.weight.empty()) return library.size.size();
-    require_length("weight", library.weight.size(), library.size.size(), "counts");
-    for (std::size_t i = 0; i < library.weight.size(); ++i)
-        if (!(std::isfinite(library.weight[i]) && library.weight[i] > 0.0))
-            throw entry_error("weight", static_cast<Index>(i), library.weight[i], "must be finite and above 0");
+    const std::pair<const char*, std::span<const double>> optional[] = {{"weight", library.weight},
+                                                                        {"chance", library.chance}};
+    for (const auto& [name, values] : optional) {
+        if (values.empty()) continue;
+        require_length(name, values.size(), library.size.size(), "counts");
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (!(std::isfinite(values[i]) && values[i] > 0.0))
+                throw entry_error(name, static_cast<Index>(i), values[i], "must be finite and above 0");
+    }
     return library.size.size();
 }
 
 double weight_of(const SectionLibrary& library, std::size_t row) {
     return library.weight.empty() ? 1.0 : library.weight[row];
+}
+
+double chance_of(const SectionLibrary& library, std::size_t row) {
+    return library.chance.empty() ? 1.0 : library.chance[row];
 }
 
 Sections arranged(const SectionLibrary& library) {
@@ -104,12 +113,15 @@ Sections arranged(const SectionLibrary& library) {
         const auto number = static_cast<std::size_t>(library.counts[kind]);
         const std::size_t start = out.starts[kind], stop = start + (number + at_once - 1) / at_once * at_once;
         out.starts[kind + 1] = stop;
-        out.size.resize(stop), out.weight.resize(stop), out.of.resize(stop * section_parts);
-        double all = 0.0;
+        out.size.resize(stop), out.weight.resize(stop), out.without_chance.resize(stop);
+        out.of.resize(stop * section_parts);
+        double all = 0.0, without = 0.0;
+        for (std::size_t i = row; i < row + number; ++i)
+            all += weight_of(library, i) * chance_of(library, i), without += weight_of(library, i);
         for (std::size_t place = start; place < start + number; ++place, ++row) {
             out.size[place] = static_cast<float>(library.size[row]);
-            out.weight[place] = static_cast<float>(weight_of(library, row));
-            all += weight_of(library, row);
+            out.weight[place] = static_cast<float>(weight_of(library, row) * chance_of(library, row));
+            out.without_chance[place] = static_cast<float>(all / without / chance_of(library, row));
             float* const eight = &out.of[place / at_once * at_once * section_parts];
             for (std::size_t part = 0; part < section_parts; ++part)
                 eight[part * at_once + place % at_once] =
@@ -355,18 +367,20 @@ class Chain {
 
 void write_row(const std::vector<float>& likely, const Sections& library, std::size_t row, LikelyAlong& out) {
     OfKinds kinds{};
-    double size = 0.0, square = 0.0;
+    double size = 0.0, square = 0.0, all_sized = 0.0;
     for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
-        Float4 of_kind = {}, of_size = {}, of_square = {};
+        Float4 of_kind = {}, of_all = {}, of_size = {}, of_square = {};
         for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
-            const Float4 of = four_at(&likely[i]), sized = of * four_at(&library.size[i]);
-            of_kind += of, of_size += sized, of_square += sized * four_at(&library.size[i]);
+            const Float4 of = four_at(&likely[i]), without = of * four_at(&library.without_chance[i]),
+                         sized = without * four_at(&library.size[i]);
+            of_kind += of, of_all += without, of_size += sized, of_square += sized * four_at(&library.size[i]);
         }
-        kinds[kind] = all_of(of_kind), size += all_of(of_size), square += all_of(of_square);
+        kinds[kind] = all_of(of_kind), all_sized += all_of(of_all);
+        size += all_of(of_size), square += all_of(of_square);
     }
     const double all = sum_of(kinds);
     for (std::size_t kind = 0; kind < hole_kinds; ++kind) out.kinds[row * hole_kinds + kind] = kinds[kind] / all;
-    out.size[row] = size / all, out.size_square[row] = square / all;
+    out.size[row] = size / all_sized, out.size_square[row] = square / all_sized;
 }
 
 using Double2 = double __attribute__((vector_size(16)));

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t fine = 6 * section_parts;        // toolfaces at which a section is drawn
 constexpr double inch = 25.4, usual_bit = 8.5 * inch;  // millimetres
+constexpr double lobed_gauge = 0.01;                   // chance of a lobed section that is gauge; others have 1
 
 using Drawn = std::array<double, fine>;  // radius less half the bit diameter
 
@@ -155,6 +156,8 @@ DrawnSections section_library(double bit_diameter, const KindCriteria& criteria,
                     out.sections.push_back(parts[(part + section_parts - turn) % section_parts]);
                 out.size.push_back(square / fine);
                 out.weight.push_back(twice && !shape.round ? 2.0 : 1.0);
+                const double all_directions = shape.round ? static_cast<double>(section_parts) : 1.0;
+                out.chance.push_back(kind == 0 && shape.higher > 0.0 ? lobed_gauge : all_directions);
             }
             out.counts[kind] += static_cast<Index>(directions);
         }

@@ -26,6 +26,7 @@ ROUGH, OFFSET, EFFECTIVE, TEMPER, CENTRE_STAYS = 1.6e-3, 7e-3, 24.0, 0.7, 20.0
 SCALES = {1.0: 0.5, 1.6: 0.3, 2.6: 0.15, 4.2: 0.05}
 PRIOR, ALONG_PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15), (0.68, 0.1, 0.1, 0.06, 0.06)
 EXPLAINED, RESEMBLES = 2.6, 0.35
+LOBED = 0.01  # chance of a lobed section that is gauge; section_library.cpp
 HEIGHT = 1.6  # metres; such a turn is a window of its own
 FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
 BIT = 0.2159
@@ -73,13 +74,15 @@ def tempered(likely: Floats, logs: Floats) -> Floats:
     return np.asarray(found / found.sum())
 
 
-def beliefs(windows: Floats, sections: Floats, kind: Integers, length: float) -> Iterator[tuple[Belief, Belief]]:
+def beliefs(
+    windows: Floats, sections: Floats, kind: Integers, length: float, chance: Floats
+) -> Iterator[tuple[Belief, Belief]]:
     """Yield the beliefs before and with each window, by matrices of transition."""
     stays = 0.8**length
     changes = 0.1 * (1 - stays)
-    each = np.bincount(kind, minlength=5)
-    prior = np.array(ALONG_PRIOR)[kind] / each[kind]
-    moves = changes * (kind[:, None] == kind) / each[kind] + (1 - stays - changes) * prior
+    share = chance / np.bincount(kind, chance, 5)[kind]
+    prior = np.array(ALONG_PRIOR)[kind] * share
+    moves = changes * (kind[:, None] == kind) * share + (1 - stays - changes) * prior
     keeps = np.exp(-length / CENTRE_STAYS)
     before = Belief(prior, np.zeros((len(kind), 2)), OFFSET**2 * np.eye(2))
     for window in windows:
@@ -93,16 +96,19 @@ def beliefs(windows: Floats, sections: Floats, kind: Integers, length: float) ->
 
 
 def reference(
-    windows: Floats, sections: Floats, kind: Integers, size: Floats, length: float = HEIGHT
-) -> tuple[Floats, Floats, Floats]:
-    """Return the probabilities of the kinds, mean and standard deviation of the size.
+    windows: Floats, sections: Floats, kind: Integers, size: Floats, length: float = HEIGHT,
+    chance: Floats | None = None,
+) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+    """Return the probabilities of the kinds, mean and standard deviation of the size, which do not know of chances.
 
     Where the chains from both sides have the centre of a section apart, it is less likely: by the integral over the
     centre of both normal densities, divided by that of the prior.
     """
-    prior = np.array(ALONG_PRIOR)[kind] / np.bincount(kind, minlength=5)[kind]
-    down = [with_it for _, with_it in beliefs(windows, sections, kind, length)]
-    up = [before for before, _ in beliefs(windows[::-1], sections, kind, length)][::-1]
+    chance = np.ones(kind.size) if chance is None else chance
+    without = np.bincount(kind, chance, 5)[kind] / np.bincount(kind, minlength=5)[kind] / chance
+    prior = np.array(ALONG_PRIOR)[kind] * chance / np.bincount(kind, chance, 5)[kind]
+    down = [with_it for _, with_it in beliefs(windows, sections, kind, length, chance)]
+    up = [before for before, _ in beliefs(windows[::-1], sections, kind, length, chance)][::-1]
     both = []
     for above, below in zip(down, up, strict=True):
         a, b = np.linalg.inv(above.spread), np.linalg.inv(below.spread)
@@ -111,16 +117,18 @@ def reference(
         apart = sum(((x @ m) * x).sum(axis=1) for x, m in ((above.centre, a), (below.centre, b), (toward, -joint)))
         both.append(tempered(above.likely * below.likely / prior, -0.5 * apart))
     likely = np.array(both)
-    mean = likely @ size
-    sigma = np.sqrt((likely * (size - mean[:, None]) ** 2).sum(axis=1))
+    sized = likely * without / (likely @ without)[:, None]
+    mean = sized @ size
+    sigma = np.sqrt((sized * (size - mean[:, None]) ** 2).sum(axis=1))
     return np.array([likely[:, kind == code].sum(axis=1) for code in range(5)]).T, mean, sigma
 
 
 def core(
-    windows: Floats, sections: Floats, kind: Integers, size: Floats, threads: int = 1, height: float = HEIGHT
-) -> tuple[Floats, ...]:
+    windows: Floats, sections: Floats, kind: Integers, size: Floats, threads: int = 1, height: float = HEIGHT,
+    chance: Floats | None = None,
+) -> tuple[Floats, ...]:  # fmt: skip
     a, b, c, d, e = np.bincount(kind, minlength=5).tolist()
-    library = (sections.ravel(), (a, b, c, d, e), size, np.ones(size.size))
+    library = (sections.ravel(), (a, b, c, d, e), size, np.ones(size.size), np.empty(0) if chance is None else chance)
     kinds, _, mean, sigma = _core.kinds_along(windows.ravel(), height, np.ones(len(windows)), library, threads)
     return kinds.reshape(-1, 5), mean, sigma
 
@@ -213,12 +221,15 @@ def squares_of(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:
 @pytest.mark.parametrize("limits", [{}, {"elongation": 0.01, "washout": 0.03, "key_seat": 0.02, "undergauge": 0.001}])
 def test_the_library_is_the_one_drawn_with_numpy(bit, limits, even):
     criteria = Criteria(**limits)
-    sections, counts, size, weight = _core.section_library(bit, limits_of(criteria), even)
+    sections, counts, size, weight, chance = _core.section_library(bit, limits_of(criteria), even)
     sections, kind = sections.reshape(-1, PARTS), np.repeat(np.arange(5), counts)
     opposite = np.roll(sections[weight == 2], PARTS // 2, axis=1)
     np.testing.assert_array_equal(opposite, sections[weight == 2])
     assert not even or ((weight == 2) | (np.ptp(sections, axis=1) == 0)).all()
     every, kinds, sizes = library(bit, criteria, even)
+    lobed, is_round = (kinds == 0) & (drawn(bit)[2] > 0), np.arange(len(kinds)) < len(kinds) % PARTS
+    chances = np.where(is_round, PARTS, np.where(lobed, LOBED, 1.0))
+    np.testing.assert_allclose(np.bincount(kind, weight * chance, 5), np.bincount(kinds, chances, 5), rtol=1e-12)
     assert np.bincount(kind, weight, 5).tolist() == np.bincount(kinds, minlength=5).tolist()
     for code in range(5):  # the same sections, in an order of their own
         found, wanted = (
@@ -272,8 +283,9 @@ def test_a_zone_that_nothing_resembles_has_no_sound_kind():
 )  # fmt: skip
 def test_the_chain_equals_matrices_of_transition(seed, counts, steps, seen):
     windows, sections, kind, size = made(seed, counts, steps, seen)
-    kinds, mean, sigma = core(windows, sections, kind, size)
-    prior, sized, spread = reference(windows, sections, kind, size)
+    chance = np.random.default_rng(seed).choice([1.0, 0.1, 3.0], kind.size)
+    kinds, mean, sigma = core(windows, sections, kind, size, chance=chance)
+    prior, sized, spread = reference(windows, sections, kind, size, chance=chance)
     absent = np.array(counts) == 0
     np.testing.assert_allclose(kinds, prior, atol=1e-4)
     assert not kinds[:, absent].any()
