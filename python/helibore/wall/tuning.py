@@ -247,7 +247,8 @@ def errors_and_gains(errors: list[Floats], depth: Floats) -> tuple[Floats, Float
         raise InputError("samples", rule)
     block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
     squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
-    squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)
+    some = squares[0][squares[0] > 0.0]  # radii in coarse steps leave most errors of a smooth hole at 0
+    squares = np.minimum(squares, _CLIP**2 * (np.median(some) if some.size else 0.0) / _MEDIAN_SQUARE)
     gain = squares[0] - squares
     sums = np.array([np.bincount(metre, each - each.mean()) for each in gain])
     deviation = np.sqrt(np.sum(sums**2, axis=1)) / squares.shape[1]

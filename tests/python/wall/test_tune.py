@@ -14,6 +14,7 @@ from reference import Floats, exactly
 import helibore as hb
 from helibore.wall.estimates import FEWEST_SAMPLES, empty_boxes, estimate_left_out, in_depth_order
 from helibore.wall.tune import cross_validate
+from helibore.wall.tuning import errors_and_gains
 
 BIT = 0.216
 
@@ -203,3 +204,11 @@ def test_a_hole_whose_samples_are_sparse_in_most_places_can_be_tuned() -> None:
     samples = hb.Caliper(depth, rng.uniform(0, 360, depth.size), rng.normal(0.11, 3e-3, depth.size))
     found = hb.tune(samples, bit_diameter=BIT, targets=50)
     assert np.isfinite(found.continuation)
+
+
+def test_errors_count_where_coarse_steps_leave_most_of_them_at_nothing() -> None:
+    errors = np.zeros(400)
+    errors[::4] = 2.5e-3
+    rms, gain = errors_and_gains([errors, 0.5 * errors], np.linspace(0.0, 40.0, 400))
+    np.testing.assert_allclose(rms, [1.25e-3, 0.625e-3])
+    assert gain[1] > 2.0
