@@ -493,7 +493,11 @@ def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float,
     axes.imshow(scale.colors(ramp[None, :])[..., :3], extent=(0, 1, 0, 1), aspect="auto")
     axes.set_axis_off()
     sheet.box(x, y, width, 2.6, edgecolor=RULE, linewidth=0.4)
-    words = ("low", "", "high") if shares else tuple(f"{one:.3g}" for one in (scale.low, middle, scale.high))
+    words = (
+        ("low", "", "high")
+        if shares
+        else tuple(f"{float(f'{one:.3g}'):.10g}" for one in (scale.low, middle, scale.high))
+    )  # 17200, as on the page, not 1.72e+04
     for at, ha, text in zip((0.0, 0.5, 1.0), ("left", "center", "right"), words, strict=True):
         sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha, within=width / 3)
 

@@ -739,9 +739,13 @@ def test_the_picture_on_the_stage_is_saved_as_it_is_seen(browser: Any, viewer: A
     assert body[:8] == b"\x89PNG\r\n\x1a\n"
     assert download.value.suggested_filename.endswith("-1000.0-1020.0.png")
     width, height = (int.from_bytes(body[at : at + 4], "big") for at in (16, 20))
-    assert [width, height - 26] == screen.evaluate("[stage.clientWidth, stage.clientHeight]")
+    on_screen = screen.evaluate("[stage.clientWidth, stage.clientHeight]")
+    ratio = min(4, 3840 / on_screen[0])
+    assert [width, height - 26 * ratio] == pytest.approx([ratio * side for side in on_screen], abs=1.5)
+    screen.settle()
+    assert screen.evaluate("document.getElementById('ink').width") == on_screen[0], "as before on the screen"
     colours = screen.evaluate(
-        """(base64) => new Promise((done) => {
+        """([base64, ratio]) => new Promise((done) => {
           const image = new Image();
           image.onload = () => {
             const canvas = document.createElement('canvas');
@@ -749,14 +753,14 @@ def test_the_picture_on_the_stage_is_saved_as_it_is_seen(browser: Any, viewer: A
             const ink = canvas.getContext('2d');
             ink.drawImage(image, 0, 0);
             const { left, top, width, height } = window.__wall.app.renderer.rects.image;
-            const { data } = ink.getImageData(left, top + 26, width, height);
+            const { data } = ink.getImageData(left * ratio, (top + 26) * ratio, width * ratio, height * ratio);
             const found = new Set();
             for (let i = 0; i < data.length; i += 4) found.add(data[i] * 65536 + data[i + 1] * 256 + data[i + 2]);
             done(found.size);
           };
           image.src = `data:image/png;base64,${base64}`;
         })""",
-        base64.b64encode(body).decode(),
+        [base64.b64encode(body).decode(), ratio],
     )
     assert colours > 50, "the image is in it, not only the ink"
     screen.close()

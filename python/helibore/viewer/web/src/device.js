@@ -14,9 +14,15 @@ function drawnInSoftware() {
 /** @param {HTMLCanvasElement} canvas */
 export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
 
-// Pixels of a canvas per CSS pixel of its element: at most two, because nobody sees more pixels.
+let least = 0;
+
+// Draw with at least so many pixels per CSS pixel, for a picture that is saved.
+/** @param {number} ratio */
+export const sharpen = (ratio) => (least = ratio);
+
+// Pixels of a canvas per CSS pixel of its element: on the screen at most two, because nobody sees more pixels.
 /** @param {HTMLElement} element */
-export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);
+export const pixelRatio = (element) => Math.max(least, Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2));
 
 // Fit a canvas to its element and forget the texts and strokes of the last picture.
 /** @param {Canvas} canvas */

@@ -24,7 +24,7 @@ export function drawInsideInk(ink, look, gpu) {
     ring(ink, (toolface) => at(depth, toolface), palette);
     const zero = path.dial(depth).up ?? 0;
     const top = at(depth, zero, 0.94);
-    if (top) label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 3 });
+    if (top) label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 });
     lettered ||= letters(ink, look, depth, at, palette);
   }
 }

@@ -235,7 +235,8 @@ export class App {
     const { span } = store;
     const picked = picking.kept.map(({ depth }) => depth).filter((depth) => depth >= span[0] && depth <= span[1]).sort((a, b) => a - b);
     const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : span;
-    view.show((top + bottom - view.length) / 2, view.length, store);
+    const length = Math.min(view.length, span[1] - span[0]); // a short well fills the height
+    view.show((top + bottom - length) / 2, length, store);
     this.opened = view.top;
   }
 

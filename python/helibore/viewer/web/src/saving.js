@@ -1,7 +1,7 @@
 // Downloads: what the page has itself, and what the server writes. If the server refuses, the page shows why.
 
 import { messageOf } from './errors.js';
-import { pen, pixelRatio } from './device.js';
+import { pen, pixelRatio, sharpen } from './device.js';
 import { byId } from './dom.js';
 import { toggleFlight } from './inside.js';
 import { BOLD, PALETTES } from './layout.js';
@@ -34,6 +34,7 @@ export function bindSaving(app) {
   }
 }
 
+const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const BAND = 26; // pixels above the picture, for its words
 
 // Draw what the stage shows, in its own pixels, under a line with the well and the section. `drawn`: WebGL was drawn in this
@@ -65,7 +66,12 @@ const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.
 /** @param {App} app */
 function savePicture(app) {
   const canvas = document.createElement('canvas');
-  copyStage(app, canvas, app.renderer.look(), false);
+  const look = app.renderer.look();
+  sharpen(Math.min(4, WIDE / byId('ink').clientWidth));
+  app.renderer.drawInk(look);
+  copyStage(app, canvas, look, false);
+  sharpen(0);
+  app.repaint();
   canvas.toBlob((blob) => blob && save(blob, fileName(app.view, 'png')));
 }
 

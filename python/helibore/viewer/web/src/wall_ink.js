@@ -1,5 +1,6 @@
 // The ink over the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
 
+import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
@@ -33,7 +34,7 @@ export function drawWallInk(ink, look, gpu, calipers, drawInside) {
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
+  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
   if (!view.rig) inLines(ink, words, rect.width - 20).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
