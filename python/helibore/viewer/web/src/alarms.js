@@ -50,7 +50,8 @@ export class Alarms {
   /** @param {Zone[] | null} before @param {Zone[]} now @param {boolean} live @param {string[]} feed */
   take(before, now, live, feed) {
     const fresh = live && before ? newZones(before, now) : [];
-    this.zones = [...this.zones.map((zone) => now.find((other) => overlap(zone, other)) ?? zone).filter((zone) => now.includes(zone)), ...fresh];
+    const zones = [...this.zones.map((zone) => now.find((other) => overlap(zone, other)) ?? zone).filter((zone) => now.includes(zone)), ...fresh];
+    if (zones.length !== this.zones.length || zones.some((zone, i) => zone !== this.zones[i])) this.zones = zones;
     this.feed = [...feed].reverse();
     this.keep();
   }

@@ -3,14 +3,13 @@
 
 import { messageOf } from './errors.js';
 
-let loading = false;
-
 // Return what more.js has; undefined until it is here, after which `app` is drawn anew.
 /** @param {App} app */
 export function late(app) {
+  const { renderer, repaint } = app;
   const { more } = /** @type {{ more?: typeof import('./more.js') }} */ (globalThis);
-  if (more || loading) return more;
-  loading = true;
-  import(String(new URL(`more.js${location.search}`, location.href))).then(app.repaint, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (loading = false));
+  if (more || renderer.loading) return more;
+  renderer.loading = true;
+  import(String(new URL(`more.js${location.search}`, location.href))).then(repaint, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (renderer.loading = false));
   return undefined;
 }

@@ -209,8 +209,9 @@ export class App {
     Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
-    this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
-    this.zones = this.zonesBefore = zones;
+    const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew
+    this.alarms.take(this.zonesBefore, found, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
+    this.zones = this.zonesBefore = found;
     document.body.classList.toggle('saved', ended && newest === null);
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;

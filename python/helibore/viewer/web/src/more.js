@@ -2,7 +2,7 @@
 
 export { columnRows, drawColumns, drawPipes } from './columns.js';
 export { drawCurtain } from './curtain.js';
-export { drawInsideInk } from './inside_ink.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';
 export { drawRun } from './run_chart.js';
+export { drawWallInk } from './wall_ink.js';

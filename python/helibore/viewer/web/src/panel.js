@@ -214,27 +214,28 @@ export function sectionText(store, summary, units, zones, shown) {
   ];
 }
 
+let listed = { made: /** @type {unknown[]} */ ([]), sorted: /** @type {Zone[]} */ ([]) }; // what the list was made from, and its zones
+
 // List the zones, worst first; a click on a zone shows it. The zone at the cursor is marked, depths out of view are grey. Without a
 // zone, the title is the text `none`; if that is empty, the card is hidden.
 /** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show @param {string} none */
 export function listZones(zones, view, alarms, show, none) {
   const { units, theme } = view;
   const list = byId('zones');
-  const sorted = bySeverity(zones);
-  const key = JSON.stringify([zones, units, theme, alarms.zones, none]);
-  if (list.dataset.key !== key) {
-    list.dataset.key = key;
+  const made = [zones, units, theme, alarms.zones, none];
+  if (made.some((one, i) => one !== listed.made[i])) {
+    listed = { made, sorted: bySeverity(zones) };
     byId('zonesCard').hidden = zones.length === 0 && !none;
     byId('zonesCard').style.setProperty('--rows', String(zones.length));
     byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
     byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
-    list.replaceChildren(...(zones.length ? [headOf(units)] : []), ...sorted.map((zone) => rowOf(zone, view, alarms.isNew(zone), show)));
+    list.replaceChildren(...(zones.length ? [headOf(units)] : []), ...listed.sorted.map((zone) => rowOf(zone, view, alarms.isNew(zone), show)));
     if (!list.onscroll) new ResizeObserver(countHidden).observe(list);
     list.onscroll = countHidden;
     countHidden();
   }
-  const current = zoneAt(sorted, view.cursor?.depth);
-  sorted.forEach((zone, i) => {
+  const current = zoneAt(zones, view.cursor?.depth);
+  listed.sorted.forEach((zone, i) => {
     const row = /** @type {HTMLElement} */ (list.children[i + 1]);
     row.classList.toggle('out', zone.stop < view.top || zone.start > view.bottom);
     if ((row.ariaCurrent === 'true') === (zone === current)) return;

@@ -26,7 +26,6 @@ import { coverage } from './tiles.js';
 import { drawTops, intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside } from './tracks.js';
 import { showDepth, showLength } from './units.js';
-import { drawWallInk } from './wall_ink.js';
 
 export const FINE_TILES = 64; // a longer section is drawn from the overview
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
@@ -41,6 +40,7 @@ export class Renderer {
   firstPicture = null;
   scheduled = false;
   fitted = false;
+  loading = false; // more.js
   stale = true; // the WebGL canvas shows something else
   paintedAt = 0;
   rects = /** @type {Rects} */ (/** @type {unknown} */ (null));
@@ -236,7 +236,7 @@ export class Renderer {
     if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
     drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
-    else if (gpu && rects.wall.width && !straight) drawWallInk(ink, look, gpu, calipers, view.camera === 'outside' ? undefined : late(app)?.drawInsideInk);
+    else if (gpu && rects.wall.width && !straight) late(app)?.drawWallInk(ink, look, gpu, calipers);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }

@@ -3,6 +3,7 @@
 import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
+import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { edges, line } from './strokes.js';
 import { turn } from './turns.js';
@@ -15,8 +16,8 @@ import { isSure } from './zones.js';
 /** @type {[string, number[]][]} */
 const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers @param {typeof import('./inside_ink.js').drawInsideInk} [drawInside] */
-export function drawWallInk(ink, look, gpu, calipers, drawInside) {
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers */
+export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
@@ -26,7 +27,7 @@ export function drawWallInk(ink, look, gpu, calipers, drawInside) {
   ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
   ink.clip();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
-  else drawInside?.(ink, look, gpu);
+  else drawInsideInk(ink, look, gpu);
   if (path.surveyed && view.camera === 'outside') {
     compass(ink, gpu, rect, palette);
     if (rect.width > 300) plan(ink, look, gpu, palette);
