@@ -535,6 +535,10 @@ def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: A
     screen.mouse.click(*head)
     screen.settle()
     assert screen.evaluate("[window.__wall.app.view.quantity, window.__wall.app.view.beside]") == ["GR", ["over"]]
+    screen.evaluate("window.__wall.app.view.widen('image', 300)")
+    screen.evaluate("window.__wall.app.selection.setQuantity('over')")
+    screen.settle()
+    assert screen.evaluate("window.__wall.app.renderer.rects.beside0.width") == 300, "an image keeps its width"
     screen.page.select_option("#sectionLength", "1:200")
     screen.settle()
     height = screen.evaluate("window.__wall.app.renderer.rects.image.height")

@@ -110,7 +110,11 @@ export class Selection {
   /** @param {string} id */
   setQuantity(id) {
     const { quantity, view, quantities: all } = this;
-    if (all.some((q) => q.id === id)) view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one))); // the two images change places
+    if (!all.some((q) => q.id === id)) return;
+    const place = `beside${this.besides.findIndex((one) => one.id === id)}`;
+    const { image = NaN, [place]: other = NaN, ...widths } = view.widths;
+    const swapped = place === 'beside-1' ? view.widths : { ...widths, ...(other && { image: other }), ...(image && { [place]: image }) };
+    view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one)), swapped); // the two images change places, with the widths that they were given
   }
 
   /** @param {Colours} changes */

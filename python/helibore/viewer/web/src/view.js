@@ -138,9 +138,9 @@ export class View extends Settings {
   }
 
   // Colour the first image by a quantity, and show images of the quantities `beside` next to it.
-  /** @param {string} quantity @param {string[]} beside */
-  showImages(quantity, beside) {
-    this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
+  /** @param {string} quantity @param {string[]} beside @param {Record<string, number>} [widths] */
+  showImages(quantity, beside, widths = this.widths) {
+    this.#change({ quantity, widths, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
   }
 
   // Show these images beside the first image, or `first` alone, and these curves, unless the user or the address chose.
