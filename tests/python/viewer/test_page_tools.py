@@ -158,7 +158,7 @@ def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
         assert re.search(rf"as at {CLOCK} ", screen.inner_text("#lampText"))
         assert "first pass" in screen.inner_text("#lampText")
         run = "document.getElementById('run')"
-        screen.until(f"{run}.labels?.some(({{ text }}) => text === '— bit   - - data')")
+        screen.until(f"{run}.labels?.some(({{ text }}) => text.endsWith('- - data'))")
         at = screen.evaluate(f"{run}.strokes.map(([x]) => x)")
         assert at == [0], "the moment, at the start of the run"
         texts = [one["text"] for one in screen.evaluate(f"{run}.labels")]
