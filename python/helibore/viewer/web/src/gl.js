@@ -83,21 +83,25 @@ class Program {
   uniform(i) {
     const { gl } = this.context;
     const { name, type } = /** @type {WebGLActiveInfo} */ (gl.getActiveUniform(this.program, i));
-    return { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name) };
+    /** @type {unknown} */
+    const held = undefined;
+    return { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name), unit: SAMPLERS.indexOf(name), held };
   }
 
-  // Make this the current program, and set its uniforms by name; values without a uniform are not used.
+  // Make this the current program, and set its uniforms by name; values without a uniform are not used. A number that a uniform
+  // has already is not set again.
   /** @param {Record<string, any>} values */
   use(values) {
     const { gl } = this.context;
     gl.useProgram(this.program);
-    for (const { name, type, at } of this.uniforms) {
-      const value = values[name];
-      if (type === gl.SAMPLER_2D || type === gl.UNSIGNED_INT_SAMPLER_2D) {
-        value.bind(this.context, SAMPLERS.indexOf(name));
-        gl.uniform1i(at, SAMPLERS.indexOf(name));
-      } else if (type === gl.FLOAT) gl.uniform1f(at, value);
-      else if (type === gl.INT || type === gl.BOOL) gl.uniform1i(at, Number(value));
+    for (const uniform of this.uniforms) {
+      const { name, type, at, unit } = uniform;
+      if (unit >= 0) values[name].bind(this.context, unit);
+      const value = unit >= 0 ? unit : values[name];
+      if (uniform.held === value) continue;
+      if (typeof value !== 'object') uniform.held = value;
+      if (type === gl.FLOAT) gl.uniform1f(at, value);
+      else if (typeof value !== 'object') gl.uniform1i(at, Number(value));
       else if (type === gl.FLOAT_VEC2) gl.uniform2fv(at, value);
       else if (type === gl.FLOAT_VEC4) gl.uniform4fv(at, value);
       else gl.uniformMatrix4fv(at, false, value);

@@ -177,9 +177,16 @@ export function fitting(ink, texts, width) {
 /** @type {Pair} */
 const HERE = [0, 0];
 
+/** @type {Map<string, TextMetrics>} */
+const measured = new Map(); // most texts of a picture are those of the last one
+
 /** @param {Ink} ink @param {string} text @param {number} x @param {number} y */
 function boxOf(ink, text, x, y) {
-  const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = ink.measureText(text);
+  const key = [ink.font, ink.textAlign, ink.textBaseline, text].join();
+  if (measured.size > 2000) measured.clear();
+  const metrics = measured.get(key) ?? ink.measureText(text);
+  measured.set(key, metrics);
+  const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = metrics;
   return { left: x - left, right: x + right, top: y - up, bottom: y + down };
 }
 
