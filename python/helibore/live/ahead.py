@@ -37,8 +37,8 @@ class TightAhead:
 
     Attributes
     ----------
-    distance
-        Metres that the bit moves until the string sticks; 0: it sticks.
+    sticks_at
+        Depth of the bit at which the string sticks, metres.
     above
         Whether the bit moves up: the string is pulled out.
     top, bottom
@@ -55,7 +55,7 @@ class TightAhead:
         This place in words, without what changes as the bit comes nearer.
     """
 
-    distance: float
+    sticks_at: float
     above: bool
     top: float
     bottom: float
@@ -68,7 +68,7 @@ class TightAhead:
 
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
-        return self.top < other.bottom and other.top < self.bottom
+        return self.top <= other.bottom and other.top <= self.bottom
 
 
 class Ahead:
@@ -136,7 +136,7 @@ class Ahead:
         side = "above" if self._up else "below"
         text = f"tight hole {side} the bit at {bit:.1f} m: from {top:.1f} to {bottom:.1f} m {sizes}"
         return TightAhead(
-            round(max(0.0, float(travel[runs[0][0]])), 2), self._up, round(top, 2), round(bottom, 2), name,
+            round(float(lower[runs[0][0]]), 2), self._up, round(top, 2), round(bottom, 2), name,
             round(passes, 4), body.diameter, text, len(places),
             None if worst[0] <= top <= worst[1] else (round(worst[0], 2), round(worst[1], 2), round(worst[2], 4)),
         )  # fmt: skip

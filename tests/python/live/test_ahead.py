@@ -49,12 +49,15 @@ def test_pulling_out_says_what_lies_above_the_bit():
     found = trip.alarms.ahead.found
     assert found is not None
     assert (found.body, found.places, found.worst) == ("bit", 1, None)
-    assert found.distance == pytest.approx(127 - 0.3 - TIGHT[1], abs=0.15)  # then the upper end of the body is there
+    assert found.sticks_at == pytest.approx(TIGHT[1] + 0.3, abs=0.15)  # then the upper end of the body is there
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
     assert found.diameter == pytest.approx(0.206, abs=0.0005)
     trip.to(121.0)
-    assert trip.said == [text]  # the alarm is the same, and the page has the distance of now
-    assert trip.alarms.ahead.found.distance == pytest.approx(1.7, abs=0.15)
+    assert trip.said == [text]  # the alarm is the same
+    assert trip.alarms.ahead.found.sticks_at == pytest.approx(TIGHT[1] + 0.3, abs=0.15)
+    for bit in (119.2, 118.8, 118.4):  # the string is in it
+        trip.to(bit)
+        assert trip.said == [text]
     trip.to(117.0)
     assert trip.said == []
 
@@ -64,9 +67,9 @@ def test_running_in_says_what_lies_below_the_bit():
     for bit in (112.0, 114.0):
         trip.to(bit)
     assert trip.said[0].startswith("tight hole below the bit at 114.0 m")
-    assert trip.alarms.ahead.found.distance == pytest.approx(4.0, abs=0.15)
+    assert trip.alarms.ahead.found.sticks_at == pytest.approx(TIGHT[0], abs=0.15)
     trip.to(118.5)
-    assert trip.alarms.ahead.found.distance == 0.0
+    assert trip.alarms.ahead.found.sticks_at == pytest.approx(118.5, abs=0.15)  # where it is
 
 
 @pytest.mark.parametrize(
@@ -102,7 +105,7 @@ def test_a_long_body_is_stopped_earlier():
     for bit in (124.0, 121.9):
         trip.to(bit)
     assert trip.alarms.ahead.found is not None
-    assert trip.alarms.ahead.found.distance == pytest.approx(0.0, abs=0.1)
+    assert trip.alarms.ahead.found.sticks_at == pytest.approx(TIGHT[1] + 3.0, abs=0.15)
     trip.to(118.0)
     assert trip.said == []
 
@@ -134,7 +137,7 @@ def test_the_string_says_which_of_its_bodies_sticks_and_when():
     assert (found.above, found.body, found.needed, found.places) == (True, "stabiliser", 0.212, 1)
     assert found.diameter == pytest.approx(0.206, abs=0.0005)
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.2)
-    assert found.distance == pytest.approx(128.4 - 7 - TIGHT[1], abs=0.15)
+    assert found.sticks_at == pytest.approx(TIGHT[1] + 7, abs=0.15)
     trip.to(123.9)  # all of the stabiliser is above the tight meter
     assert trip.said == []
 

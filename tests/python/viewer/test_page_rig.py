@@ -67,7 +67,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
             ShownChannel("WOB", "kN", 96.2, 1.0, "high", times, values),
             ShownChannel("<b>", "bar", -3.5, 700.0, "", [], []),
         ]
-        tight = {"distance": 8.2, "above": True, "top": 1010.0, "bottom": 1011.5, "body": "stabiliser"}
+        tight = {"sticks_at": 1025.2, "above": True, "top": 1010.0, "bottom": 1011.5, "body": "stabiliser"}
         tight |= {"diameter": 0.2071, "needed": 0.2127, "places": 2, "worst": (1003.0, 1004.0, 0.0112)}
         alarms = ("tight ahead: tight hole above the bit at 1033.4 m", "tight: at 1003.20 m the diameter is")
         scene.update_state(bit_depth=1033.4, newest=now - 240, heard=now, channels=7, ahead=tight, alarms=alarms)
@@ -90,6 +90,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         scene.update_state(bit_depth=end - 6.5)
         screen.until("document.getElementById('rigLagHead').textContent === 'Bit back in the hole'")
         assert screen.inner_text("#rigLag") == "6.5 m"
+        assert screen.evaluate(cell)[:2] == ["Tight above, stabiliser sticks", "now"]
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []

@@ -61,8 +61,10 @@ export function writeRig(app) {
   else if (measured) cell('rigSize', size(summary.mean_diameter), unit, `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, ${bitSize}`);
   else cell('rigSize', '–', '', `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, ${bitSize} ${unit}`);
   if (ahead) {
-    cell('rigWorst', depthNumber(ahead.distance, view.units, 1), `${depthUnit(view.units)}${sureOf(app, ahead.top, ahead.bottom)}`, `${size(ahead.diameter)} of ${size(ahead.needed)} ${unit} at ${showDepth(ahead.above ? ahead.bottom : ahead.top, view.units, 1)}`);
-    byId('rigWorstHead').textContent = `Tight ${ahead.above ? 'above' : 'below'}, ${ahead.body} sticks in`;
+    const left = bit === null ? NaN : (bit - ahead.sticks_at) * (ahead.above ? 1 : -1); // from the bit depth of now
+    const [digits, inUnit] = left > 0.05 ? [depthNumber(left, view.units, 1), depthUnit(view.units)] : ['now', ''];
+    cell('rigWorst', digits, inUnit, `${size(ahead.diameter)} of ${size(ahead.needed)} ${unit} at ${showDepth(ahead.above ? ahead.bottom : ahead.top, view.units, 1)}`);
+    byId('rigWorstHead').textContent = `Tight ${ahead.above ? 'above' : 'below'}, ${ahead.body} sticks${inUnit && ' in'}`;
     byId('rigWorstCell').className = 'new';
   } else writeWorst(app, [top, bottom]);
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);

@@ -110,7 +110,7 @@ interface Handshake {
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
-interface TightAhead { distance: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
+interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
 interface State {
   channels?: number; ahead?: TightAhead | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; heard?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
