@@ -90,7 +90,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         scene.update_state(bit_depth=end - 6.5)
         screen.until("document.getElementById('rigLagHead').textContent === 'Bit back in the hole'")
         assert screen.inner_text("#rigLag") == "6.5 m"
-        assert screen.evaluate(cell)[:2] == ["Tight above, stabiliser sticks", "now"]
+        assert screen.evaluate(cell)[:2] == ["Tight above, stabiliser sticks", "now "]
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []
