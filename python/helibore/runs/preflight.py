@@ -1,6 +1,7 @@
 """Before any work: read the head of each well's caliper files, so that a header that no role fits is known at once.
 
-    jobs --the first 256 kB of each text file--> roles and units --> reason by well --> equal reasons together
+    jobs --the first 256 kB of each text, the first rows of each Parquet file--> roles and units --> reason by well
+         --> equal reasons together
 
 A head may lack what the whole file has, so the whole file is read before a well is refused.
 """
@@ -8,6 +9,7 @@ A head may lack what the whole file has, so the whole file is read before a well
 from __future__ import annotations
 
 import gzip
+import itertools
 import tempfile
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,7 +28,10 @@ HEAD = 1 << 18
 """Bytes of a text file that are read first."""
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".las")
-"""Endings of files whose head says what the columns are. Parquet is read in place; other files are left to the run."""
+"""Endings of texts whose head says what the columns are. Other files but Parquet and NPZ are left to the run."""
+
+ROWS = 1000
+"""Rows of a Parquet file that are read first."""
 
 REMEDY = """\
 for all wells, whatever names their files have, write in the manifest
@@ -83,12 +88,14 @@ def _refusal(job: Job) -> str:
 def _head(address: str, folder: Path) -> str | None:
     """Return the address of a file with the first whole lines of a text, in ``folder``; None for a file to leave alone.
 
-    A file on this machine that is read by column, and a role map, are their own head.
+    Of a Parquet file on this machine, the first rows. An NPZ file on this machine, and a role map, are their own head.
     """
     system, path, is_local = file_system(address)
     name = file_name(address)
     ending = ending_of(name)
-    if ending == ".toml" or (ending in (".parquet", ".npz") and is_local):
+    if ending == ".parquet" and is_local:
+        return _first_rows(address, path, folder / name)
+    if ending == ".toml" or (ending == ".npz" and is_local):
         return address
     if ending not in TEXTS:
         return None
@@ -101,6 +108,20 @@ def _head(address: str, folder: Path) -> str | None:
         head = head[: head.rfind(b"\n") + 1]
     target = folder / name
     target.write_bytes(head)
+    return str(target)
+
+
+def _first_rows(address: str, path: str, target: Path) -> str:
+    """Write the first rows of a Parquet file; return their address or, if it cannot be read, that of the file."""
+    import pyarrow
+    from pyarrow import parquet
+
+    try:
+        with parquet.ParquetFile(path) as file:
+            rows = pyarrow.Table.from_batches(list(itertools.islice(file.iter_batches(ROWS), 1)), file.schema_arrow)
+        parquet.write_table(rows, target)
+    except (OSError, pyarrow.ArrowException):
+        return address
     return str(target)
 
 

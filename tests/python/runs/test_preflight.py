@@ -3,10 +3,13 @@
 import gzip
 from pathlib import Path
 
+import numpy as np
+import pyarrow
 import pytest
 from command import run
 from golden_texts import Golden
 from locations import ROOT
+from pyarrow import parquet
 
 from helibore.runs.manifest import read_jobs
 from helibore.runs.preflight import HEAD, grouped, refused_wells
@@ -79,3 +82,26 @@ def test_without_a_well_that_can_be_read_no_cluster_starts(wells: Path) -> None:
     assert done.exit_code == 3
     assert "0 made, 0 there already, 1 failed, of 1 wells" in done.output
     assert "a: a.csv: no channel has the role radius" in done.output
+
+
+def test_of_a_parquet_file_the_first_rows_are_read_and_all_rows_before_it_is_refused(tmp_path: Path) -> None:
+    """The later rows of ``damaged`` cannot be read, which the run says; the first rows of ``late`` have no radius."""
+    count = 50_000
+    depth = np.linspace(2000.0, 2100.0, count)
+    columns = {"depth_m": depth, "toolface_deg": np.arange(count) % 360.0, "radius_m": np.full(count, 0.11)}
+    late = columns | {"radius_m": np.where(np.arange(count) < count - 9, np.nan, 0.11)}
+    tables = {"damaged": columns, "late": late, "wrong": {"blob": depth, **columns} | {"radius_m": depth * np.nan}}
+    for name, table in tables.items():
+        parquet.write_table(
+            pyarrow.table(table), tmp_path / f"{name}.parquet", row_group_size=10_000, compression="zstd"
+        )
+    file = tmp_path / "damaged.parquet"
+    content = bytearray(file.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 4_000] = bytes(4_000)
+    file.write_bytes(content)
+    with pytest.raises((OSError, pyarrow.ArrowException)):
+        parquet.read_table(file)
+    wells = [f'[[well]]\nname = "{name}"\ncaliper = "{name}.parquet"\n' for name in tables]
+    (tmp_path / "m.toml").write_text(MANIFEST + "".join(wells))
+    assert refused_wells(read_jobs(tmp_path / "m.toml")).keys() == {"wrong"}
