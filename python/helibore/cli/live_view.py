@@ -109,7 +109,7 @@ class Window:
         self._show_channels()
         known = {} if self._newest is None else {"newest": self._newest}
         if ages := live.ages():
-            known["heard"] = float(round(time.time() - min(ages.values())))
+            known["received"] = float(round(time.time() - min(ages.values())))
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
                 known[name] = received[0]

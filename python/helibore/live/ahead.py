@@ -112,10 +112,10 @@ class Ahead:
         configuration = self._live.model.configuration
         size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
         string = configuration.string or (RigidBody(size, limits.body),)
-        thin = [replace(body, diameter=min(body.diameter, size - tight)) for body in string]
+        thin = [replace(body, diameter=max(0.0, min(body.diameter, size - tight))) for body in string]
         length = max(body.position + body.length for body in string)
         above, below = (ahead, 0.0) if self._up else (0.0, ahead)
-        stretch = self._stretch(bit - above - length, bit + below)
+        stretch = self._stretch(bit - above - length, bit + below, length)
         if stretch is None:
             return None
         found = passage_of(stretch, thin, upper_limit=True)
@@ -149,17 +149,19 @@ class Ahead:
         passes = found.string[number].diameter + float(found.clearance[of_body].min())
         return float(touched.min()), float(touched.max()), passes, number
 
-    def _stretch(self, top: float, bottom: float) -> WallState | None:
+    def _stretch(self, top: float, bottom: float, beyond: float) -> WallState | None:
         """Return the whole turns between two depths, with the samples that decide what is sampled there.
 
-        Turns that the wall does not have are without a radius; None if it has none of them.
+        Turns that the wall does not have, up to so many metres beyond its ends, are without a radius; None if it has
+        none of them.
         """
         wall = self._live.wall._state()
         K, pitch = wall.settings.sectors, wall.settings.pitch
         start_depth = float(wall.start_depth)
         first, stop = sorted((end - start_depth) / pitch for end in (top, bottom))
         first, stop = math.floor(first) - 1, math.ceil(stop) + 1  # whole bodies, at the first and the last place
-        held = wall.radius.size // K
+        held, more = wall.radius.size // K, math.ceil(beyond / abs(pitch)) + 2
+        first, stop = max(first, -more), min(stop, held + more)
         own = slice(K * min(max(first, 0), held), K * min(max(stop, 0), held))
         if own.start >= own.stop:
             return None

@@ -162,7 +162,7 @@ def test_the_stretch_has_the_mask_of_the_wall():
     """What is cut out counts as sampled what the whole wall counts, and has the wall's bits."""
     trip = Trip()
     wall, ahead = trip.live.wall, trip.alarms.ahead
-    stretch = ahead._stretch(115.0, 119.5)
+    stretch = ahead._stretch(115.0, 119.5, 0.3)
     assert stretch is not None
     first = round((stretch.start_depth - wall.start_depth) / wall.settings.pitch) * wall.settings.sectors
     part = slice(first, first + len(stretch.radius))
@@ -194,3 +194,17 @@ def test_quiet_hole_of_few_samples_is_not_tight(samples):
     trip.to(117.0)
     trip.to(113.0)  # above the tight meter
     assert trip.said == []
+
+
+def test_limits_beyond_all_reason_cost_no_memory_and_raise_nothing():
+    trip = Trip(alarms="tight = 0.006\nahead = 1e9\n")
+    for bit in (129.5, 127.0):
+        trip.to(bit)
+    assert "from 118.1 to 118.9 m" in trip.said[0]
+    stretch = trip.alarms.ahead._stretch(-1e9, 1e9, 0.3)
+    assert stretch is not None
+    assert len(stretch.radius) < 2 * len(trip.live.wall)
+    wide = Trip(alarms="tight = 0.5\n")
+    for bit in (129.5, 127.0):
+        wide.to(bit)
+    assert wide.said == []

@@ -70,7 +70,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         tight = {"sticks_at": 1025.2, "above": True, "top": 1010.0, "bottom": 1011.5, "body": "stabiliser"}
         tight |= {"diameter": 0.2071, "needed": 0.2127, "places": 2, "worst": (1003.0, 1004.0, 0.0112)}
         alarms = ("tight ahead: tight hole above the bit at 1033.4 m", "tight: at 1003.20 m the diameter is")
-        scene.update_state(bit_depth=1033.4, newest=now - 240, heard=now, channels=7, ahead=tight, alarms=alarms)
+        scene.update_state(bit_depth=1033.4, newest=now - 240, received=now, channels=7, ahead=tight, alarms=alarms)
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
         screen.keyboard.press("k")
         screen.until("document.getElementById('rigChannels').naturalWidth > 0")
@@ -81,7 +81,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         assert more == "207 of 213 mm at 1011.5 m"
         worst = screen.evaluate(cell.replace("rigWorst", "rigSize"))
         assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m"]
-        assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # the source is heard, and says no more
+        assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # bytes come, without a radius
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         assert screen.evaluate("document.getElementById('rigLamp').className") == "live"  # the hole is tight, data come
         assert not screen.evaluate("document.getElementById('rig').classList.contains('stale')")

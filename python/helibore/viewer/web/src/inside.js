@@ -43,7 +43,7 @@ export function turnHead(head, dx, dy) {
 const SPEED = 0.2; // of the section in a second
 export const STEP = 0.025; // of the section, by a key or a notch of the wheel
 
-// Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is let go.
+// Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is no longer held.
 /** @param {App} app @param {number} steps */
 export function fly({ view, store }, steps) {
   const top = view.top + eyeDepth({ view, store }) - (view.camera === 'down' ? view.top : view.bottom);

@@ -23,10 +23,10 @@ export function lamp(app) {
 }
 
 // Return the seconds since a source sent anything; NaN if it is not known.
-/** @param {Pick<App, 'newest' | 'heard' | 'lastWrite'>} of */
-export const silenceOf = (of) => (of.heard === null ? ageOf(of) : Date.now() / 1000 - Math.max(of.heard, of.newest ?? 0));
+/** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
+export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - Math.max(of.received, of.newest ?? 0));
 
-/** @param {Pick<App, 'newest' | 'heard' | 'lastWrite'>} of */
+/** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
@@ -43,7 +43,7 @@ function troubleOf({ alarms, lost }) {
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, heard, ended, sources, lastWrite, replay, contents, view }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -59,7 +59,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const old = !ended && seconds > LATE;
-  const late = old && isSilent({ heard, newest, lastWrite });
+  const late = old && isSilent({ received, newest, lastWrite });
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);

@@ -48,7 +48,7 @@ export class App {
   /** @type {number | null} */
   newest = null;
   /** @type {number | null} */
-  heard = null; // the last bytes from a source
+  received = null; // the last bytes from a source
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   /** @type {RigidString | null} */
@@ -205,7 +205,7 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, heard = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null }) {
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null }) {
     Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
@@ -219,7 +219,7 @@ export class App {
     this.prints = prints;
     this.bitDepth = bit;
     this.holeDepth = hole;
-    [this.newest, this.heard] = [newest, heard].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
+    [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
     this.ended = ended;
     this.openSaved();
     if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);

@@ -113,7 +113,7 @@ interface Handshake {
 interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
 interface State {
   channels?: number; ahead?: TightAhead | null;
-  begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; heard?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
+  begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }

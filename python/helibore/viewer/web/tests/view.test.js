@@ -63,7 +63,7 @@ test('true depth is known where the server says so, and nowhere else', () => {
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
   const words = (bitDepth, pitch, more = {}) => lampWords({
-    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, heard: null, ended: false, alarms: { feed: [] }, lost: [], sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, received: null, ended: false, alarms: { feed: [] }, lost: [], sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
     store: { end: 1050, span: [1000, 1050], levels: [{ pitch }] }, ...more,
   });
   assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit', 'live']);
@@ -71,7 +71,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
-  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, heard: Date.now() / 1000 - 2 }), ['live', '3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, received: Date.now() / 1000 - 2 }), ['live', '3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
   assert.deepEqual(words(null, 0.1, { newest: null, ended: true }), ['', 'not live · wall 1000.0–1050.0 m', 'not live'], 'whether it was saved is not known');
   assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['', 'waiting']);
   assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
@@ -79,7 +79,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
 
 test('an alarm that lasts, silenced or not, and a source that is not connected turn the lamp at once', () => {
   const words = (more) => lampWords({
-    status: 'live', words: '', bitDepth: 1058, newest: Date.now() / 1000 - 1, heard: null, ended: false, alarms: { feed: [] }, lost: [], sources: '', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
+    status: 'live', words: '', bitDepth: 1058, newest: Date.now() / 1000 - 1, received: null, ended: false, alarms: { feed: [] }, lost: [], sources: '', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
     store: { end: 1050, levels: [{ size: 12345, pitch: 0.1 }] }, ...more,
   });
   const refused = 'refused mwd: no sample was usable for 120 s: 40 no value';
