@@ -137,8 +137,11 @@ def _write(verb: str, options: dict[str, Any]) -> None:
             write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
         saved = save_lines(run, output, verb, options, [centres] if centres else [])
     if not options["quiet"]:
-        gain = gain_lines(run) if verb == "reconstruct" else []
-        sure = error_lines(run, options["threads"]) if verb == "reconstruct" and not gain else []
+        gain, sure = [], []
+        if verb == "reconstruct":
+            with terminal.stage("compare", "Comparing estimators"):
+                gain = gain_lines(run)
+                sure = [] if gain else error_lines(run, options["threads"])
         end = [*sure, *saved, ("time", terminal.times())]
         terminal.summary([*gain, *run.messages, *made_lines(run, made, ends), *end])
 

@@ -101,7 +101,7 @@ def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
     assert f"diameter  mean      {found.mean_diameter / 0.0254:7.3f} in" in result.output
     assert f"least     {found.least_diameter.value / 0.0254:7.3f} in" in result.output
     assert f"greatest  {found.greatest_diameter.value / 0.0254:7.3f} in" in result.output
-    assert re.search(r"time      import .* read .* rebuild .* place .* save .* in all", result.output)
+    assert re.search(r"time      import .* read .* rebuild .* place .* save .* compare [\s\S]* in all", result.output)
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
