@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "base/arithmetic.hpp"
@@ -53,31 +55,42 @@ class Rings {
         beside;  // the rings 3 turns before to 3 after; `nothing` where none
 
     Rings(std::span<const double> toolface, std::span<const double> given, std::span<const std::int64_t> turns) {
-        std::vector<double> angles(given.size()), radii(given.size());
-        std::vector<std::int64_t> numbers(given.size());
+        std::vector<std::int64_t> numbers;
+        row.reserve(given.size()), angle.reserve(given.size()), radius.reserve(given.size());
+        numbers.reserve(given.size());
         for (std::size_t i = 0; i < given.size(); ++i) {
-            angles[i] = in_turn(read_once(toolface[i])), radii[i] = read_once(given[i]),
-            numbers[i] = read_once(turns[i]);
-            if (std::isfinite(radii[i]) && std::isfinite(angles[i])) row.push_back(i);
+            const double at = in_turn(read_once(toolface[i])), of = read_once(given[i]);
+            if (!std::isfinite(of) || !std::isfinite(at)) continue;
+            row.push_back(i), angle.push_back(at), radius.push_back(of), numbers.push_back(read_once(turns[i]));
         }
-        const auto by = [](const auto& values) {
-            return [&values](std::size_t a, std::size_t b) { return values[a] < values[b]; };
-        };
-        if (!std::is_sorted(row.begin(), row.end(), by(numbers))) std::stable_sort(row.begin(), row.end(), by(numbers));
+        if (!std::is_sorted(numbers.begin(), numbers.end())) {
+            std::vector<std::size_t> order(row.size());
+            std::iota(order.begin(), order.end(), std::size_t{0});
+            std::stable_sort(order.begin(), order.end(),
+                             [&](std::size_t a, std::size_t b) { return numbers[a] < numbers[b]; });
+            const auto reorder = [&order](auto& values) {
+                std::remove_reference_t<decltype(values)> sorted;
+                sorted.reserve(values.size());
+                for (const std::size_t i : order) sorted.push_back(values[i]);
+                values.swap(sorted);
+            };
+            reorder(numbers), reorder(row), reorder(angle), reorder(radius);
+        }
+        ring.reserve(row.size());
         for (std::size_t i = 0; i < row.size(); ++i) {
-            if (i && numbers[row[i]] == numbers[row[i - 1]]) continue;
-            first.push_back(i);
-            turn.push_back(static_cast<std::uint64_t>(numbers[row[i]]));
+            if (!i || numbers[i] != numbers[i - 1])
+                first.push_back(i), turn.push_back(static_cast<std::uint64_t>(numbers[i]));
+            ring.push_back(static_cast<std::uint32_t>(turn.size() - 1));
         }
         first.push_back(row.size());
-        angle.reserve(row.size()), radius.reserve(row.size()), ring.reserve(row.size());
-        for (std::size_t r = 0; r + 1 < first.size(); ++r) {
-            const auto begin = row.begin() + static_cast<std::ptrdiff_t>(first[r]);
-            const auto end = row.begin() + static_cast<std::ptrdiff_t>(first[r + 1]);
-            if (!std::is_sorted(begin, end, by(angles))) std::stable_sort(begin, end, by(angles));
-            for (auto at = begin; at != end; ++at)
-                angle.push_back(angles[*at]), radius.push_back(radii[*at]),
-                    ring.push_back(static_cast<std::uint32_t>(r));
+        std::vector<std::tuple<double, std::size_t, double>> sorted;
+        for (std::size_t r = 0; r < turn.size(); ++r) {
+            const std::size_t begin = first[r], end = first[r + 1];
+            if (std::is_sorted(angle.data() + begin, angle.data() + end)) continue;
+            sorted.clear();
+            for (std::size_t i = begin; i < end; ++i) sorted.emplace_back(angle[i], row[i], radius[i]);
+            std::sort(sorted.begin(), sorted.end());
+            for (std::size_t i = begin; i < end; ++i) std::tie(angle[i], row[i], radius[i]) = sorted[i - begin];
         }
         beside.resize(turn.size());
         for (std::size_t r = 0; r < turn.size(); ++r) {
@@ -117,30 +130,53 @@ struct Neighbours {
     double median = none, low = none, high = none;
 };
 
+// Sorts six values without a branch.
+void sort_six(std::array<double, used>& values) {
+    constexpr std::array<std::pair<std::size_t, std::size_t>, 12> steps{
+        {{0, 5}, {1, 3}, {2, 4}, {1, 2}, {3, 4}, {0, 3}, {2, 5}, {0, 1}, {2, 3}, {4, 5}, {1, 2}, {3, 4}}};
+    for (const auto& [one, other] : steps) {
+        const double low = std::min(values[one], values[other]), high = std::max(values[one], values[other]);
+        values[one] = low, values[other] = high;
+    }
+}
+
 Neighbours neighbours(const Rings& rings, std::size_t i) {
-    std::array<std::pair<double, std::size_t>, 4 * reach> found;
-    std::size_t number = 0;
+    constexpr double never = std::numeric_limits<double>::infinity();
+    constexpr std::size_t most = 4 * reach;
+    std::array<double, most> gap, radius;
+    gap.fill(never), radius.fill(never);
     const std::size_t own = rings.ring[i];
     const double limit = rings.limit(own);
-    for (const std::size_t of : rings.beside[own]) {
+    std::size_t number = 0;
+    for (std::size_t k = 0; k < 2 * reach; ++k) {
+        const std::size_t of = rings.beside[own][k];
         if (of == nothing) continue;
         const std::array<std::size_t, 2> two = rings.next_to(i, of);
-        for (std::size_t side = 0; side < (two[0] == two[1] ? 1u : 2u); ++side) {
-            const double gap = angle_between(rings.angle[two[side]], rings.angle[i]);
-            if (gap > limit) continue;
-            std::size_t place = number++;
-            for (; place > 0 && gap < found[place - 1].first; --place) found[place] = found[place - 1];
-            found[place] = {gap, two[side]};
+        for (std::size_t side = 0; side < 2; ++side) {
+            const double away = angle_between(rings.angle[two[side]], rings.angle[i]);
+            const bool counts = away <= limit && !(side && two[0] == two[1]);
+            gap[2 * k + side] = counts ? away : never, radius[2 * k + side] = rings.radius[two[side]];
+            number += counts;
         }
     }
+    // The rank of each by its angle; of equal ones the earlier is before. All pairs are compared, since the order is
+    // too random for a sort with branches.
+    std::array<std::size_t, most> rank{};
+    for (std::size_t late = 1; late < most; ++late)
+        for (std::size_t early = 0; early < late; ++early) {
+            const std::size_t before = gap[late] < gap[early];
+            rank[early] += before, rank[late] += 1 - before;
+        }
     number = std::min(number, used);
     if (!number) return {};
-    std::array<double, used> radius{};
-    for (std::size_t k = 0; k < number; ++k) radius[k] = rings.radius[found[k].second];
-    std::sort(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(number));
+    std::array<double, most> ranked;
+    for (std::size_t k = 0; k < most; ++k) ranked[rank[k]] = radius[k];
+    std::array<double, used> sorted;
+    for (std::size_t k = 0; k < used; ++k) sorted[k] = k < number ? ranked[k] : never;
+    sort_six(sorted);
     const std::size_t last = number - 1;
-    return {number, 0.5 * (radius[last / 2] + radius[(last + 1) / 2]), radius[std::min<std::size_t>(1, last)],
-            radius[last ? last - 1 : 0]};
+    return {number, 0.5 * (sorted[last / 2] + sorted[(last + 1) / 2]), sorted[std::min<std::size_t>(1, last)],
+            sorted[last ? last - 1 : 0]};
 }
 
 // Returns the value that would stand in the lower middle if the values were sorted.
