@@ -69,7 +69,9 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.trajectory.survey import Survey as Survey
     from helibore.viewer import Attribute as Attribute
     from helibore.viewer import Viewer as Viewer
+    from helibore.viewer import WellsViewer as WellsViewer
     from helibore.viewer import view as view
+    from helibore.viewer import view_wells as view_wells
     from helibore.wall.append_result import Change as Change
     from helibore.wall.load import load as load
     from helibore.wall.points import PointValues as PointValues
@@ -116,7 +118,7 @@ _load, _, __all__ = lazy_loader.attach(
         "settings.wall_settings": ["Settings"],
         "settings.zone_settings": ["Criteria", "ImageCriteria"],
         "trajectory.survey": ["Path", "Survey"],
-        "viewer": ["Attribute", "Viewer", "view"],
+        "viewer": ["Attribute", "Viewer", "WellsViewer", "view", "view_wells"],
         "wall.append_result": ["Change"],
         "wall.load": ["load"],
         "wall.points": ["PointValues"],

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from helibore.base.errors import InputError
+from helibore.base.file_endings import ARCHIVE_ENDING
 from helibore.cli.declared_options import options_of
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, add_sigma, check_file, own_options
 from helibore.cli.quantities import FILE
-from helibore.cli.sections import Sectioned, opt, section
+from helibore.cli.sections import Sectioned, opt, section, spelled
 from helibore.cli.terminal import Terminal, echo
 from helibore.cli.token_options import TOKEN
 from helibore.cli.wall_options import (
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
     from helibore.runs.run import Run
     from helibore.trajectory.survey import Path as HolePath
+    from helibore.viewer import Viewer, WellsViewer
     from helibore.wall.wall import Wall
 
 
@@ -80,8 +82,10 @@ def view(**options: Any) -> None:
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
     helibore view --gauge --image lwd.las:GRAS:edge --bit-diameter 8.5in
     helibore view well.wall --html well.html
+    helibore view A.wall B.wall C.wall --intervals tops.csv
 
-    SOURCE is an archive (.wall), caliper files, or a project (.toml). The page saves the beds
+    SOURCE is an archive (.wall), caliper files, or a project (.toml); several archives are wells, which are shown
+    in one scene and side by side with their tops joined. The page saves the beds
     and fractures that you pick to FILE.picks.csv. FILE is the first of these that is given, here or in the settings:
     caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
     written, unless --html names one.
@@ -90,6 +94,9 @@ def view(**options: Any) -> None:
         check_file(options["html"], (".html", ".htm"))
     terminal = Terminal(options["quiet"])
     check_page()
+    if len(options["source"]) > 1 and all(file.suffix.lower() == ARCHIVE_ENDING for file in options["source"]):
+        show_wells(options, terminal)
+        return
     run = open_run(options, terminal)
     options = own_options(run, "view", options)
     refuse_interval(run, options)
@@ -138,6 +145,40 @@ def view(**options: Any) -> None:
         terminal.summary([("wrote", f"{options['html']}, {size}"), ("time", terminal.times())])
         return
     terminal.summary([("time", terminal.times())])
+    serve_page(viewer)
+
+
+WELLS = ("source", "quiet", "intervals", "intervals_unit", "host", "port", "token", "token_file", "browser", "threads")
+"""Parameters that go with several archives."""
+
+
+def show_wells(options: dict[str, Any], terminal: Terminal) -> None:
+    """Show the walls of several archives together, until Ctrl-C."""
+    from helibore.base.identity import find_token
+    from helibore.runs.run import build_wall, read_run
+    from helibore.viewer import view_wells
+
+    for parameter in click.get_current_context().command.params:
+        if parameter.name not in WELLS and on_command_line(parameter.name or ""):
+            raise click.UsageError(f"{spelled(parameter.name or '')}: does not go with several archives")
+    walls: dict[str, Wall] = {}
+    for file in options["source"]:
+        run = open_run(options | {"source": (file,)}, terminal)
+        wall = build_wall(run, *read_run(run, terminal.stage), options["threads"], terminal.stage).wall
+        name = header_of(run, options).get("well", run.name)
+        if name in walls:
+            raise InputError(file.name, f"the well {name} is shown already")
+        walls[name] = wall
+        terminal.summary(run.messages)
+    options = own_options(run, "view", options)
+    serving = {name: options[name] for name in ("host", "port", "browser")}
+    viewer = view_wells(walls, token=find_token(options["token"], options["token_file"]), **serving)
+    terminal.summary([("time", terminal.times())])
+    serve_page(viewer)
+
+
+def serve_page(viewer: Viewer | WellsViewer) -> None:
+    """Serve a page until Ctrl-C."""
     logging.getLogger("helibore.connections").addHandler(logging.StreamHandler())
     with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
         echo(f"{viewer.url}   (Ctrl-C ends the page)")

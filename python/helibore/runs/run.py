@@ -421,7 +421,7 @@ def _add_intervals(run: Run) -> list[tuple[str, str]]:
     intervals: list[Interval] = []
     lines: list[tuple[str, str]] = []
     for one in run.settings.intervals:
-        found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", ""))
+        found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", run.name))
         intervals += found.intervals
         outside = outside_text(found.intervals, *helix_of(run.wall).ends(len(run.wall))) if len(run.wall) else ""
         said = ", ".join([*found.remarks, *([outside] if outside else [])])

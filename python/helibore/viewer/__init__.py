@@ -1,4 +1,4 @@
-"""Show a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
+"""Show walls in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
 
     feed.py      reads a wall that grows        client.py         what a page has not received
     scene.py     what is shown                  web_app.py        addresses and websocket
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 MOST_PLANNED = 500
 """Points of a planned path that a page gets."""
-__all__ = ["Attribute", "Viewer", "attributes_of", "view"]
+__all__ = ["Attribute", "Viewer", "WellsViewer", "attributes_of", "view", "view_wells"]
 
 
 class Viewer:
@@ -283,6 +283,106 @@ def view(
 
         viewer = Viewer(feed, PageServer(feed.scene, Access(host, find_token(token)), port=port))
     feed.start()
+    if browser:
+        from helibore.viewer.browser import open_page
+
+        viewer._opened = open_page(viewer.url)
+    return viewer
+
+
+class WellsViewer:
+    """Several wells on one page, made by `view_wells` from feeds by well and a server. Call `close` to stop.
+
+    Attributes
+    ----------
+    url : str
+        Address of the page, with its token.
+    scenes : dict of Scene
+        What is shown of each well, by its name.
+    """
+
+    def __init__(self, feeds: Mapping[str, Feed], server: PageServer) -> None:
+        self._feeds, self._server, self.url = feeds, server, server.url
+        self.scenes = {name: feed.scene for name, feed in feeds.items()}
+        self._opened: tempfile.TemporaryDirectory[str] | None = None
+
+    def update(self, well: str, change: Any = None) -> None:
+        """Show ``change``, which an append to the wall of ``well`` returned, as `Viewer.update` does."""
+        self._feeds[well].update(change)
+
+    def wait(self) -> None:
+        """Serve until Ctrl-C."""
+        self._server.wait()
+
+    def close(self) -> None:
+        """Stop serving and free the port. May be called twice."""
+        for feed in self._feeds.values():
+            feed.close()
+        if self._opened:
+            self._opened.cleanup()
+        self._server.close()
+
+    def __enter__(self) -> WellsViewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"WellsViewer({self.url})"
+
+
+def view_wells(
+    walls: Mapping[str, Wall],
+    *,
+    criteria: Criteria | None = None,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    token: str | None = None,
+    browser: bool = False,
+) -> WellsViewer:
+    """Show the walls of several wells together: in one scene, and side by side with their tops joined.
+
+    The page shows the ``path``, ``images``, ``attributes``, ``intervals`` and ``picks`` of each wall, and opens each
+    well's own page. Wells are placed by the ``head`` of their paths; wells without one stand side by side, and the page
+    says so.
+
+    Parameters
+    ----------
+    walls
+        The walls by the names of their wells, in the order of the section.
+    criteria
+        Criteria of the zones; None: the defaults of `Wall.zones`.
+    host, port, token, browser
+        As in `view`.
+
+    Returns
+    -------
+    WellsViewer
+        The viewer, which serves the page already.
+
+    Raises
+    ------
+    MissingExtraError
+        If a library of the extra is missing.
+    InputError
+        If there is no wall or `view` would refuse one of them; if `port` is not from 0 to 65535, or `token` is empty.
+    OSError
+        If the port is in use; the text names it.
+    """
+    from helibore.viewer.page_server import PageServer
+
+    if not walls:
+        raise InputError("walls", "must have at least one wall")
+    feeds = {}
+    for name, wall in walls.items():
+        feeds[name] = Feed(wall, path=wall.path, attributes=attributes_of(wall), well=name, criteria=criteria)
+        scene = feeds[name].scene
+        scene.picks, scene.intervals = wall.picks, wall.intervals
+    scenes = [feed.scene for feed in feeds.values()]
+    viewer = WellsViewer(feeds, PageServer(scenes, Access(host, find_token(token)), port=port))
+    for feed in feeds.values():
+        feed.start()
     if browser:
         from helibore.viewer.browser import open_page
 

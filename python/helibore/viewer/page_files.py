@@ -12,6 +12,10 @@ TYPES = {
     "more.js": "text/javascript; charset=utf-8",
     "app.css": "text/css; charset=utf-8",
 }
+"""Files of the page of a well."""
+
+WELLS = {"wells.html": TYPES["index.html"], "wells.js": TYPES["app.js"]}
+"""Files of the page of several wells."""
 
 
 def page(name: str) -> bytes | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from helibore.base.connections import Connections, Listener, most_connections
@@ -21,13 +22,13 @@ BACKLOG = 128
 
 
 class PageServer:
-    """Serves a scene until `close`, at the address and with the token of ``access``.
+    """Serves a scene, or those of several wells, until `close`, at the address and with the token of ``access``.
 
     ``connections`` counts the connections that were refused. Raises InputError if ``port`` is not in 0 to 65535;
     OSError if the port is in use.
     """
 
-    def __init__(self, scene: Scene, access: Access, *, port: int = 0) -> None:
+    def __init__(self, shown: Scene | Sequence[Scene], access: Access, *, port: int = 0) -> None:
         uvicorn = import_server()
         from helibore.viewer.html_export import MOST_ADDRESS
         from helibore.viewer.web_app import MOST_TEXT, application
@@ -36,7 +37,7 @@ class PageServer:
         self._socket = _bind(access.host, port, self.connections)
         self.url = access.url(self._socket.getsockname()[1])
         config = uvicorn.Config(
-            application(scene, access, self.connections),
+            application(shown, access, self.connections),
             loop="asyncio",  # others do not accept connections by the method of the socket
             http="h11",
             ws="websockets-sansio",

@@ -15,6 +15,12 @@
     /api/section.las                        its logs, if the scene has `Scene.write_logs`
     /healthz                                whether the server runs, and how many vertices and pages it has
 
+Several wells have a page of their own at / (`WellsApp`), which reads
+
+    /api/wells                              name, address and head of each well
+
+and all of the above for each well below /w/0/, /w/1/ ...
+
 `AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing; the
 addresses below /api then answer 503.
 """
@@ -27,14 +33,14 @@ import gzip
 import hashlib
 import json
 import math
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, MutableMapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, MutableMapping, Sequence
 from typing import Any, Protocol
 from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
-from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocketDisconnect
 
@@ -49,7 +55,7 @@ from helibore.viewer.channel_strip import channel_strip
 from helibore.viewer.client import Client
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
-from helibore.viewer.page_files import TYPES, files_of_page, no_page, page
+from helibore.viewer.page_files import TYPES, WELLS, files_of_page, no_page, page
 from helibore.viewer.protocol import BadMessageError, handshake, picks_message, read_subscription, state_message
 from helibore.viewer.scene import Scene
 
@@ -72,9 +78,9 @@ class Socket(Protocol):
     async def send_bytes(self, message: bytes) -> None: ...
 
 
-def application(scene: Scene, access: Access, connections: Connections | None = None) -> ASGIApp:
-    """Return the ASGI application that shows a scene to who has the token of ``access``."""
-    app = WebApp(scene)
+def application(shown: Scene | Sequence[Scene], access: Access, connections: Connections | None = None) -> ASGIApp:
+    """Return the ASGI application that shows a scene, or several wells, to who has the token of ``access``."""
+    app = WebApp(shown) if isinstance(shown, Scene) else WellsApp(shown)
     return AccessControl(Starlette(routes=app.routes(), lifespan=app.lifespan), access, connections)
 
 
@@ -169,19 +175,7 @@ class WebApp:
                 self.scene.listeners.remove(connection.mark)
 
     async def file(self, request: Request) -> Response:
-        name = request.url.path.strip("/") or "index.html"
-        body = page(name)
-        if body is None:
-            return PlainTextResponse(no_page() + "\n", 503)
-        if name == "index.html" and (token := request.query_params.get("token")):
-            body = _with_token(body, token)
-        tag = f'"{hashlib.sha256(body).hexdigest()}"'
-        headers = {"ETag": tag, "Vary": "Accept-Encoding"}
-        if request.headers.get("If-None-Match") == tag:
-            return Response(status_code=304, headers=headers)
-        if "gzip" in request.headers.get("Accept-Encoding", ""):
-            body, headers["Content-Encoding"] = gzip.compress(body), "gzip"
-        return Response(body, media_type=TYPES[name], headers=headers)
+        return file_answer(request, request.url.path.rpartition("/")[2] or "index.html")
 
     async def health(self, _: Request) -> Response:
         vertices = self.scene.levels[0].size if self.scene.begun else 0
@@ -324,6 +318,45 @@ class WebApp:
         return Response(body, media_type=media_type, headers={"content-disposition": f"attachment; filename={name}"})
 
 
+class WellsApp:
+    """The page of several wells, and below ``/w/0/``, ``/w/1/`` ... the addresses of each well's own page."""
+
+    def __init__(self, scenes: Sequence[Scene]) -> None:
+        self.apps = [WebApp(scene) for scene in scenes]
+
+    def routes(self) -> list[BaseRoute]:
+        """Return the routes of every address."""
+        files = [Route("/", self.file), *(Route(f"/{name}", self.file) for name in ("wells.js", "app.css"))]
+        own = [Mount(f"/w/{number}", routes=app.routes()) for number, app in enumerate(self.apps)]
+        return [*files, Route("/api/wells", self.wells), Route("/healthz", self.health), *own]
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        async with contextlib.AsyncExitStack() as stack:
+            for app in self.apps:
+                await stack.enter_async_context(app.lifespan(_))
+            yield
+
+    async def file(self, request: Request) -> Response:
+        return file_answer(request, request.url.path.strip("/") or "wells.html")
+
+    async def wells(self, _: Request) -> Response:
+        """Return name, address and length of each well, and north, east and down of its head, null without a path."""
+        listed = []
+        for number, scene in enumerate(app.scene for app in self.apps):
+            level, path = scene.levels[0], scene.path
+            length = abs(level.size * scene.shape.pitch / level.sectors)
+            head = None if path is None else path.head
+            listed.append({"name": scene.shape.well, "address": f"w/{number}/", "length": length, "head": head})
+        return JSONResponse(listed)
+
+    async def health(self, _: Request) -> Response:
+        scenes = [app.scene for app in self.apps]
+        pages = sum(len(app.connections) for app in self.apps)
+        vertices = sum(scene.levels[0].size for scene in scenes)
+        return JSONResponse({"vertices": vertices, "pages": pages, "page_built": page("wells.js") is not None})
+
+
 class _Connection:
     """One connected page: a task that receives and a task that sends."""
 
@@ -410,9 +443,25 @@ class _Connection:
                 raise BadMessageError("a message must be ack or subscribe")
 
 
+def file_answer(request: Request, name: str) -> Response:
+    """Return a file of the built page; a page asks for its other files with the token of the request."""
+    body = page(name)
+    if body is None:
+        return PlainTextResponse(no_page() + "\n", 503)
+    if name.endswith(".html") and (token := request.query_params.get("token")):
+        body = _with_token(body, token)
+    tag = f'"{hashlib.sha256(body).hexdigest()}"'
+    headers = {"ETag": tag, "Vary": "Accept-Encoding"}
+    if request.headers.get("If-None-Match") == tag:
+        return Response(status_code=304, headers=headers)
+    if "gzip" in request.headers.get("Accept-Encoding", ""):
+        body, headers["Content-Encoding"] = gzip.compress(body), "gzip"
+    return Response(body, media_type=(TYPES | WELLS)[name], headers=headers)
+
+
 def _with_token(html: bytes, token: str) -> bytes:
     """Return the page so that it asks for its other files with the token, as for all else."""
-    for name in ("app.js", "app.css"):
+    for name in ("app.js", "wells.js", "app.css"):
         html = html.replace(f'"{name}"'.encode(), f'"{name}?token={quote(token, safe="")}"'.encode())
     return html
 

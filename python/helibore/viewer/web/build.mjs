@@ -1,5 +1,5 @@
 // Bundles the page:  node build.mjs OUT_DIR [NODE_MODULES]
-// Writes index.html, app.css, app.js, more.js (which app.js loads late) and notebook.js, which hold this project's own sources and nothing else.
+// Writes index.html, app.css, app.js, more.js (which app.js loads late), notebook.js, wells.html and wells.js, which hold this project's own sources and nothing else.
 // The output depends on the sources and the lock file alone.
 import { createRequire } from 'node:module';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -35,6 +35,7 @@ const bundled = (source, kind) => esbuild.build({
 await bundled('main.js', { format: 'esm', outfile: join(out, 'app.js') });
 // Alone it defines what late.js looks for, so it may also stand before app.js in one file.
 await bundled('more.js', { format: 'iife', globalName: 'more', footer: { js: 'globalThis.more=more;' }, outfile: join(out, 'more.js') });
+await bundled('wells.js', { format: 'esm', outfile: join(out, 'wells.js') });
 await esbuild.build({ entryPoints: [join(here, 'app.css')], minify: true, target: 'es2022', charset: 'utf8', outfile: join(out, 'app.css') });
-writeFileSync(join(out, 'index.html'), unindented(join(here, 'index.html')));
+for (const name of ['index.html', 'wells.html']) writeFileSync(join(out, name), unindented(join(here, name)));
 copyFileSync(join(here, 'notebook.js'), join(out, 'notebook.js'));

@@ -14,6 +14,10 @@ export const STOPPED = 'The server was stopped, trying again';
 const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
 const FAULT = 4401; // the code with which the page closes a connection
 
+// Return the address of the websocket of the well at `place`, an address relative to that of the page.
+/** @param {string} place */
+export const socketAddress = (place) => new URL(`${place}ws${location.search}`, location.href.replace(/^http/, 'ws')).href;
+
 export class Connection {
   socket = /** @type {Socket} */ (/** @type {unknown} */ (null));
 

@@ -18,7 +18,7 @@ const FIELD_OF_VIEW = 34;
 const UNLIT = 0x08090b; // beyond the reach of the lamp
 const MOST_PICKED = 254; // most tiles of a picking picture: alpha is the number of the tile
 /** @type {Record<string, [string, string]>} */
-const PROGRAMS = {
+export const PROGRAMS = {
   wall: [shaders.WALL_VERTEX, shaders.WALL_FRAGMENT],
   pick: [shaders.WALL_VERTEX, shaders.PICK_FRAGMENT],
   image: [shaders.IMAGE_VERTEX, shaders.IMAGE_FRAGMENT],

@@ -5,6 +5,7 @@
 
 export const COL_STRIDES = [1, 2, 4, 8];
 export const ROW_STRIDES = [1, 4, 16, 64];
+export const FINE_TILES = 64; // a longer section is drawn from the overview
 const TARGET = 4.5; // pixels: a coarse edge may be this long
 
 /** @param {number[]} strides @param {number} pixels @param {number} limit */

@@ -7,7 +7,7 @@
 import { Alarms } from './alarms.js';
 import { fromAddress, toAddress } from './address.js';
 import { quantities, takeRanges } from './color.js';
-import { Connection, LOST, STOPPED } from './connection.js';
+import { Connection, LOST, socketAddress, STOPPED } from './connection.js';
 import { Curves } from './curves.js';
 import { byId, options } from './dom.js';
 import { Exported, exportedContents } from './exported.js';
@@ -16,11 +16,12 @@ import { Glow } from './glow.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindTracks } from './input.js';
 import { ageOf, lamp } from './lamp.js';
+import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
 import { disableControls, fillSelects, nameCuts, showBasis } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
-import { FINE_TILES, Renderer, seconds } from './renderer.js';
+import { Renderer, seconds } from './renderer.js';
 import { Replay } from './replay.js';
 import { writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
@@ -123,7 +124,6 @@ export class App {
     window.addEventListener('hashchange', () => this.readdress());
     window.addEventListener('beforeunload', (event) => this.picking.waits && event.preventDefault());
     setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
-    const { protocol, host, search } = location;
     /** @type {Handlers} */
     const on = {
       handshake: (handshake) => this.begin(handshake),
@@ -133,7 +133,7 @@ export class App {
       frames: (message) => this.takeFrames(message),
       status: (status, words) => this.say(status, words),
     };
-    this.connection = this.contents ? new Exported(this.contents, on) : new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, on);
+    this.connection = this.contents ? new Exported(this.contents, on) : new Connection(socketAddress(''), on);
     if (this.contents?.hosted) {
       whenHosted((notebook) => {
         Object.assign(this, { contents: null, notebook, connection: new Connection('', on, notebook) });

@@ -14,6 +14,7 @@ import { bindOrbit } from './input.js';
 import { lamp, spokenText } from './lamp.js';
 import { late } from './late.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
+import { FINE_TILES } from './lod.js';
 import { DepthMap } from './map.js';
 import { drawNotes } from './notes.js';
 import { applyTheme, Histogram, links, listZones, paperScale, readout, reflect, writeBrief } from './panel.js';
@@ -27,7 +28,6 @@ import { drawTops, intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside } from './tracks.js';
 import { showDepth, showLength } from './units.js';
 
-export const FINE_TILES = 64; // a longer section is drawn from the overview
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
 const MOVING = 200; // milliseconds: a picture moves if the next one follows within this and twice the time to draw it

@@ -110,6 +110,7 @@ interface Handshake {
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
+interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
 interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
 interface State {
   channels?: number; ahead?: TightAhead | null;
@@ -142,8 +143,8 @@ interface Contents {
 // Elements of the page by id; any other is an HTMLElement.
 type Ids<Names extends string, Kind> = { [id in Names]: Kind };
 type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar' | 'run', Canvas>
-  & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
-  & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
+  & Ids<'camera' | 'curve' | 'cut' | 'datum' | 'mode' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
+  & Ids<'box' | 'dipFile' | 'discs' | 'dynamic' | 'fence' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText' | 'planes', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
   & Ids<'csv' | 'export' | 'glb' | 'las' | 'png' | 'print' | 'printAll' | 'svg', HTMLAnchorElement>
   & Ids<'colour', HTMLDetailsElement>

@@ -154,7 +154,7 @@ function cursorLabel(ink, look, gpu, beside, palette) {
 }
 
 /** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */
-function compass(ink, gpu, rect, palette) {
+export function compass(ink, gpu, rect, palette) {
   const [x, y] = [rect.left + 44, rect.height - 46];
   /** @type {Pair[]} */
   const used = [];

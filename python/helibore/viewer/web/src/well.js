@@ -1,0 +1,102 @@
+// One of several wells of a page: its connection to the server, its wall and path, and what it is drawn from.
+
+import { Q_ATTRIBUTE, quantities, takeRanges } from './color.js';
+import { Connection, socketAddress } from './connection.js';
+import { planeOf } from './dips.js';
+import { FINE_TILES } from './lod.js';
+import { Path } from './path.js';
+import { coverage, Store } from './tiles.js';
+
+export class Well {
+  store = /** @type {Store} */ (/** @type {unknown} */ (null)); // null until the server has begun it
+  path = /** @type {Path} */ (/** @type {unknown} */ (null));
+  /** @type {Quantity[]} */
+  quantities = [];
+  /** @type {Zone[]} */
+  zones = [];
+  /** @type {WallPick[]} */
+  picks = [];
+  /** @type {number | null} */
+  bitDepth = null;
+  words = '';
+  east = 0; // metres to the east of where its path has it
+  hidden = false;
+
+  /** @param {ListedWell} listed @param {() => void} changed */
+  constructor({ name, address, head }, changed) {
+    this.name = name;
+    this.address = address;
+    this.head = head;
+    /** @type {Handlers} */
+    const on = {
+      handshake: (handshake) => this.begin(handshake),
+      state: (state) => this.take(state),
+      picks: (picks) => (this.picks = picks),
+      write: (message) => this.store.apply(message),
+      frames: (message) => {
+        for (let i = 1; i < message.centre.length; i += 3) message.centre[i] += this.east;
+        this.path.apply(message);
+      },
+      status: (_, words) => (this.words = words),
+    };
+    const followed = Object.fromEntries(Object.entries(on).map(([kind, act]) => [kind, (/** @type {any[]} */ ...values) => {
+      /** @type {any} */ (act)(...values);
+      changed();
+    }]));
+    this.connection = new Connection(socketAddress(address), /** @type {Handlers} */ (/** @type {unknown} */ (followed)));
+  }
+
+  /** @param {Handshake} handshake */
+  begin(handshake) {
+    if (this.store) for (const level of this.store.levels) for (const tile of level.tiles.values()) tile.textures?.dispose();
+    this.store = new Store(handshake);
+    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference, handshake.assumed);
+    this.quantities = quantities(this.store);
+    this.ask(...this.store.span);
+  }
+
+  /** @param {State} state */
+  take({ ranges, zones, true_depth: trueDepth, bit_depth: bit }) {
+    if (!this.store) return;
+    takeRanges(this.quantities, ranges);
+    this.path.trueDepth = trueDepth;
+    [this.zones, this.bitDepth] = [zones, bit];
+  }
+
+  // Whether there is something to draw.
+  get ready() {
+    return Boolean(this.store && this.path.count > 1 && this.store.levels[1].size);
+  }
+
+  // The beds and fractures that were picked.
+  get planes() {
+    return this.picks.flatMap((pick) => (pick.kind === 'breakout' ? [] : [planeOf(this.path, pick, this.store.bitRadius)]));
+  }
+
+  // Subscribe to the tiles between two depths, if they are not too many.
+  /** @param {number[]} ends */
+  ask(...[top, bottom]) {
+    const wall = this.store.levels[0];
+    const seen = wall.tilesBetween(top, bottom);
+    const wanted = seen.length > FINE_TILES ? [] : seen;
+    for (const [index, tile] of wall.tiles) {
+      if (wanted.includes(index) || wall.tiles.size <= FINE_TILES) continue;
+      tile.textures?.dispose();
+      wall.tiles.delete(index);
+    }
+    this.connection.subscribe([...new Set([...wall.tiles.keys(), ...wanted])].sort((a, b) => a - b), wanted[0] ?? 0, (1 << this.store.attributes.length) - 1);
+  }
+
+  /** @param {number} top @param {number} bottom */
+  pieces(top, bottom) {
+    return coverage(this.store, top, bottom, this.store.levels[0].tilesBetween(top, bottom).length <= FINE_TILES);
+  }
+
+  // Return this well's quantity with the id and colours of another well's; grey, if it has none of this id.
+  /** @param {Quantity | undefined} asked @returns {Quantity} */
+  quantity(asked) {
+    const own = this.quantities.find(({ id }) => id === asked?.id);
+    if (own && asked) return { ...own, low: asked.low, high: asked.high, log: asked.log, map: asked.map };
+    return { ...this.quantities[0], id: '', name: `no ${asked?.name}`, mode: Q_ATTRIBUTE, attribute: this.store.attributes.length, low: 0, high: 1 };
+  }
+}

@@ -1,0 +1,404 @@
+// The page of several wells: in one scene at their true places, or side by side with their tops joined.
+//
+//   message -> Well -> draw       user -> Wells -> draw
+//
+// What is drawn: wells_scene.js (3-D), wells_section.js (side by side).
+
+import definition from '../../../base/color_maps.json' with { type: 'json' };
+import { drawColourBar } from './color_bar.js';
+import { pen, pixelRatio, sharpen, sized } from './device.js';
+import { byId, options, write } from './dom.js';
+import { messageOf } from './errors.js';
+import { FLAT } from './flat.js';
+import { Context } from './gl.js';
+import { Gpu, PROGRAMS } from './gpu.js';
+import { BOLD, FONT, PALETTES } from './layout.js';
+import { niceStep } from './lod.js';
+import { applyTheme } from './panel.js';
+import { save } from './saving.js';
+import { numbers, View } from './view.js';
+import { Well } from './well.js';
+import { Scene } from './wells_scene.js';
+import { Section } from './wells_section.js';
+
+const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
+const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
+const MOVING = 250; // milliseconds until a picture that has moved is drawn in full
+const WIDE = 3840; // pixels of a saved picture
+const BAND = 26; // pixels above a saved picture, for its words
+const BAR = 24; // pixels below the picture, for its colours
+const DARK = window.matchMedia('(prefers-color-scheme: dark)');
+const SHOWN = /** @type {const} */ (['fence', 'discs', 'planes', 'box']);
+
+export class Wells {
+  /** @type {Well[]} */
+  wells = [];
+  note = ''; // how wells without a place were placed
+  mode = 'scene';
+  datum = ''; // '': measured depths; else the name of the top that stands at one height
+  /** @type {Record<'fence' | 'discs' | 'planes' | 'box', boolean>} */
+  shown = { fence: true, discs: true, planes: true, box: true };
+  /** @type {Set<string>} */
+  hidden = new Set(); // names of tops
+  quantityId = '';
+  scheduled = false;
+  stale = true;
+  movedAt = 0;
+  cost = 0;
+  listed = '';
+  /** @type {number | undefined} */
+  sharpening = undefined;
+
+  constructor() {
+    this.redraw = () => {
+      if (this.scheduled) return;
+      this.scheduled = true;
+      requestAnimationFrame(() => {
+        this.scheduled = false;
+        this.draw();
+      });
+    };
+    this.view = new View(this.redraw);
+    this.view.choose({ camera: 'outside', follow: false, cut: 'north' });
+    this.view.followTheme(DARK.matches);
+    DARK.addEventListener('change', ({ matches }) => this.view.followTheme(matches));
+    this.gpu = new Gpu(byId('gl'));
+    const restore = () => (this.gpu.context = new Context(this.gpu.gl, { ...PROGRAMS, flat: FLAT }));
+    restore();
+    byId('gl').addEventListener('webglcontextrestored', () => {
+      restore();
+      this.redraw();
+    });
+    this.scene = new Scene(this);
+    this.section = new Section(this);
+    this.fromAddress();
+    this.bind();
+    this.load();
+  }
+
+  async load() {
+    try {
+      const answer = await fetch(`api/wells${location.search}`);
+      if (!answer.ok) throw new Error(await answer.text());
+      /** @type {ListedWell[]} */
+      const listed = await answer.json();
+      const places = placed(listed);
+      this.note = places.note;
+      this.wells = listed.map((one, i) => Object.assign(new Well(one, () => this.changed()), { east: places.east[i] }));
+      byId('well').textContent = `${listed.length} wells`;
+      document.title = `${listed.map(({ name }) => name).join(', ')} – helibore`;
+      byId('placed').textContent = this.note;
+    } catch (error) {
+      byId('notice').textContent = `The wells were not read: ${messageOf(error)}`;
+      byId('notice').hidden = false;
+    }
+  }
+
+  changed() {
+    this.scene.changed = true;
+    this.redraw();
+  }
+
+  // The wells that are shown and have something to draw.
+  get drawn() {
+    return this.wells.filter((well) => well.ready && !well.hidden);
+  }
+
+  // The quantity by which all wells are coloured, its ends those of all wells: one colour is one value.
+  /** @returns {Quantity | undefined} */
+  get quantity() {
+    const found = this.wells.flatMap(({ quantities }) => quantities.filter(({ id }) => id === this.quantityId)).filter(({ low }) => Number.isFinite(low));
+    return found.length ? { ...found[0], low: Math.min(...found.map(({ low }) => low)), high: Math.max(...found.map(({ high }) => high)) } : undefined;
+  }
+
+  // The names of the tops of all wells, from the top of the first well down, and their colours.
+  get tops() {
+    /** @type {string[]} */
+    const names = [];
+    for (const { store } of this.wells) {
+      let at = 0;
+      for (const [name] of store?.intervals ?? []) {
+        const known = names.indexOf(name);
+        if (known < 0) names.splice(at, 0, name);
+        at = (known < 0 ? at : known) + 1;
+      }
+    }
+    const { formations } = definition;
+    return names.map((name, i) => ({ name, colour: `#${formations[i % formations.length]}` }));
+  }
+
+  // Return a view of one well between two depths.
+  /** @param {number} top @param {number} length @returns {View} */
+  viewOf(top, length) {
+    return Object.create(this.view, { top: { value: top }, length: { value: length } });
+  }
+
+  // Return what one well is drawn from.
+  /** @param {Well} well @param {View} view @param {Rects} rects @returns {Look} */
+  look(well, view, rects) {
+    const { store, path } = well;
+    const quantity = well.quantity(this.quantity);
+    const pieces = well.pieces(view.top, view.bottom);
+    return {
+      store, view, path, rects, bitDepth: well.bitDepth, asked: quantity, quantity, imagePieces: pieces, wallPieces: pieces,
+      imageRect: rects.image, wallRect: rects.wall, background: PALETTES[view.theme].background, dark: view.theme === 'dark',
+      notes: [], intervals: store.intervals.filter(([name]) => !this.hidden.has(name)), zones: well.zones, growing: false, arms: null, string: null, over: well.quantities[0], glow: () => [],
+    };
+  }
+
+  get tube() {
+    return this.view.tube || this.scene.usualTube;
+  }
+
+  draw() {
+    const { gpu, view } = this;
+    applyTheme(view);
+    const { clientWidth: width, clientHeight: height } = byId('stage');
+    this.lists();
+    const began = performance.now();
+    const coarse = this.cost > SLOW && began - this.movedAt < MOVING;
+    clearTimeout(this.sharpening);
+    this.sharpening = coarse ? setTimeout(this.redraw, MOVING) : undefined;
+    gpu.resize(width, height);
+    gpu.setRatio(pixelRatio(gpu.canvas) * (coarse ? 0.5 : 1));
+    gpu.begin({ left: 0, top: 0, width, height }, PALETTES[view.theme].background);
+    const ink = sized(byId('ink')).ink;
+    ink.clearRect(0, 0, width, height);
+    ink.font = FONT;
+    const rect = { left: 0, top: 0, width, height: height - (this.mode === 'scene' ? BAR : 0) };
+    if (this.drawn.length) {
+      const looks = this.mode === 'scene' ? this.scene.draw(ink, rect) : this.section.draw(ink, rect);
+      const asked = this.quantity;
+      const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
+      if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8 }, imagePieces: [] }, height - BAR / 2);
+    }
+    if (!coarse) gpu.whenDrawn(() => (this.cost = performance.now() - began));
+    clearTimeout(this.addressing);
+    this.addressing = setTimeout(() => history.replaceState(null, '', this.toAddress()), 400);
+  }
+
+  /** @type {number | undefined} */
+  addressing = undefined;
+
+  // A picture that the user moves may be coarse.
+  moved() {
+    this.movedAt = performance.now();
+    this.redraw();
+  }
+
+  // Fill the lists beside the picture, if what they list has changed.
+  lists() {
+    const { wells, tops } = this;
+    const quantities = wells.flatMap((well) => well.quantities);
+    const names = [...new Map(quantities.map(({ id, name }) => [id, name]))];
+    if (!names.some(([id]) => id === this.quantityId)) this.quantityId = names.find(([id]) => quantities.find((one) => one.id === id)?.mode === 5)?.[0] ?? names[0]?.[0] ?? '';
+    const key = JSON.stringify([names, tops, wells.map(({ name, words, hidden, ready, store }) => [name, words, hidden, ready, store?.session]), [...this.hidden]]);
+    byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
+    for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
+    byId('datum').hidden = this.mode === 'scene';
+    byId('tube').hidden = this.mode !== 'scene';
+    byId('theme').textContent = this.view.theme === 'dark' ? 'Light' : 'Dark';
+    if (key !== this.listed) {
+      this.listed = key;
+      options('quantity', names);
+      options('datum', [['', 'measured depth'], ...tops.map(({ name }) => /** @type {Choice} */ ([name, `level: ${name}`]))]);
+      options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
+      byId('wells').replaceChildren(...wells.map((well) => this.wellRow(well)));
+      byId('topsSection').hidden = !tops.length;
+      byId('tops').replaceChildren(...tops.map((top) => this.topRow(top)));
+    }
+    byId('quantity').value = this.quantityId;
+    byId('datum').value = this.datum;
+    byId('tube').value = String(this.view.tube);
+  }
+
+  /** @param {Well} well */
+  wellRow(well) {
+    const row = document.createElement('div');
+    const [seen, name, link] = [document.createElement('input'), document.createElement('button'), document.createElement('a')];
+    Object.assign(seen, { type: 'checkbox', checked: !well.hidden, title: `Show ${well.name}`, onchange: () => {
+      well.hidden = !seen.checked;
+      this.changed();
+    } });
+    Object.assign(name, { textContent: well.name, title: 'Look at this well', onclick: () => this.show(well) });
+    Object.assign(link, { textContent: 'open', href: this.addressOf(well), target: '_blank', rel: 'noopener', title: `The page of ${well.name}: image, picks, print` });
+    row.append(seen, name, link);
+    return row;
+  }
+
+  /** @param {{ name: string, colour: string }} top */
+  topRow({ name, colour }) {
+    const [row, seen, text, swatch] = ['div', 'input', 'span', 'i'].map((tag) => document.createElement(tag));
+    const found = this.wells.filter(({ store }) => store?.intervals.some(([one]) => one === name)).length;
+    Object.assign(seen, { type: 'checkbox', checked: !this.hidden.has(name), onchange: () => {
+      if (!this.hidden.delete(name)) this.hidden.add(name);
+      this.changed();
+    } });
+    swatch.style.background = colour;
+    text.textContent = `${name}${found < this.wells.length ? ` (${found} of ${this.wells.length} wells)` : ''}`;
+    const label = document.createElement('label');
+    label.append(seen, text);
+    row.append(swatch, label);
+    return row;
+  }
+
+  // The address of a well's own page, which begins with what is chosen here.
+  /** @param {Well} well @param {number} [depth] */
+  addressOf(well, depth) {
+    const parts = new URLSearchParams({ quantity: this.quantityId, units: this.view.units, theme: this.view.theme, ...(depth === undefined ? {} : { md: depth.toFixed(2), sec: '20' }) });
+    return `${well.address}${location.search}#${parts}`;
+  }
+
+  /** @param {Well} well @param {number} [depth] */
+  show(well, depth) {
+    if (well.hidden || !well.ready) return;
+    if (this.mode === 'scene') this.scene.lookAt(well, depth);
+    else if (depth !== undefined) this.section.centre(well, depth);
+    this.redraw();
+  }
+
+  bind() {
+    const { view } = this;
+    /** @template {string} Id @param {Id} id @param {string} event @param {(element: ElementOf<Id>) => unknown} act */
+    const on = (id, event, act) => byId(id).addEventListener(event, () => {
+      act(byId(id));
+      this.changed();
+    });
+    on('mode', 'change', ({ value }) => (this.mode = value));
+    on('datum', 'change', ({ value }) => {
+      this.datum = value;
+      this.section.fitted = false;
+    });
+    on('quantity', 'change', ({ value }) => (this.quantityId = value));
+    on('tube', 'change', ({ value }) => view.choose({ tube: Number(value) }));
+    on('units', 'change', ({ value }) => view.choose({ units: /** @type {Units} */ (value) }));
+    on('theme', 'click', () => view.toggleTheme());
+    on('fit', 'click', () => this.fit());
+    on('png', 'click', () => this.savePicture());
+    for (const id of SHOWN) on(id, 'change', ({ checked }) => (this.shown[id] = checked));
+    new ResizeObserver(this.redraw).observe(byId('stage'));
+    const ink = byId('ink');
+    /** @param {MouseEvent} event @returns {Pair} */
+    const at = ({ offsetX, offsetY }) => [offsetX, offsetY];
+    /** @type {Pair | null} */
+    let pressed = null;
+    ink.addEventListener('pointerdown', (event) => (pressed = at(event)));
+    ink.addEventListener('pointermove', (event) => {
+      if (!event.buttons) this.point(...at(event));
+      else if (this.mode !== 'scene') this.section.drag(event.movementY);
+    });
+    ink.addEventListener('pointerup', (event) => {
+      const [x, y] = at(event);
+      const found = pressed && event.button === 0 && Math.hypot(x - pressed[0], y - pressed[1]) < 5 ? this.found(x, y) : null;
+      if (found && this.mode === 'scene') this.show(found.well, found.depth);
+    });
+    ink.addEventListener('dblclick', (event) => {
+      const found = this.found(...at(event));
+      if (found) window.open(this.addressOf(found.well, found.depth), '_blank', 'noopener');
+    });
+    ink.addEventListener('wheel', (event) => {
+      if (this.mode === 'scene') return;
+      event.preventDefault();
+      this.section.wheel(event.deltaY / (event.deltaMode === 1 ? 3 : 100), event.ctrlKey || event.metaKey, event.offsetY);
+    }, { passive: false });
+    window.addEventListener('keydown', (event) => {
+      if (/^(INPUT|SELECT|TEXTAREA)$/.test(/** @type {HTMLElement} */ (event.target).tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key === 'h') this.fit();
+      else if (event.key === 't') view.toggleTheme();
+      else if (event.key === 's') this.mode = this.mode === 'scene' ? 'section' : 'scene';
+      else return;
+      this.changed();
+    });
+  }
+
+  fit() {
+    this.scene.fitted = this.section.fitted = false;
+    this.redraw();
+  }
+
+  // Return the well, and the depth in it, under a place of the picture.
+  /** @param {number} x @param {number} y */
+  found(x, y) {
+    return this.mode === 'scene' ? this.scene.found(x, y) : this.section.found(x, y);
+  }
+
+  /** @param {number} x @param {number} y */
+  point(x, y) {
+    const found = this.found(x, y);
+    byId('ink').style.cursor = found ? 'pointer' : this.mode === 'scene' ? 'grab' : '';
+    write('readout', found ? this.section.rows(found.well, found.depth) : []);
+  }
+
+  // Save the picture under a line with the names of the wells.
+  savePicture() {
+    const [inks, canvas] = [byId('ink'), document.createElement('canvas')];
+    sharpen(Math.min(4, WIDE / inks.clientWidth));
+    this.movedAt = 0;
+    this.draw();
+    const ratio = pixelRatio(inks);
+    Object.assign(canvas, { width: inks.width, height: inks.height + BAND * ratio });
+    const ink = pen(canvas);
+    const palette = PALETTES[this.view.theme];
+    ink.fillStyle = palette.paper;
+    ink.fillRect(0, 0, canvas.width, canvas.height);
+    for (const layer of [this.gpu.canvas, inks]) ink.drawImage(layer, 0, BAND * ratio, inks.width, inks.height);
+    ink.scale(ratio, ratio);
+    ink.font = BOLD;
+    ink.fillStyle = palette.ink;
+    ink.fillText([this.drawn.map(({ name }) => name).join(', '), this.note].filter(Boolean).join('   '), 8, 17);
+    sharpen(0);
+    this.redraw();
+    canvas.toBlob((blob) => blob && save(blob, `wells-${this.mode}.png`));
+  }
+
+  toAddress() {
+    const { view, scene, section } = this;
+    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datum ? { datum: this.datum } : {}) });
+    if (scene.fitted) parts.set('eye', [...scene.from, ...scene.orbit.target].map((x) => x.toFixed(2)).join('_'));
+    if (section.fitted) parts.set('between', [section.top, section.length].map((x) => x.toFixed(3)).join('_'));
+    const off = SHOWN.filter((id) => !this.shown[id]);
+    if (off.length) parts.set('off', off.join('_'));
+    return `#${parts}`;
+  }
+
+  fromAddress() {
+    const parts = new URLSearchParams(location.hash.slice(1));
+    this.mode = parts.get('mode') === 'section' ? 'section' : 'scene';
+    this.quantityId = parts.get('quantity') ?? '';
+    this.datum = parts.get('datum') ?? '';
+    const [theme, units] = [parts.get('theme'), parts.get('units')];
+    if (theme === 'light' || theme === 'dark') this.view.choose({ theme });
+    if (units === 'mm' || units === 'in' || units === 'ft') this.view.choose({ units });
+    this.view.choose({ tube: TUBES.find((tube) => String(tube) === parts.get('tube')) ?? 0 });
+    const [eye, between] = ['eye', 'between'].map((name) => numbers(parts.get(name)));
+    if (eye.length === 6) this.scene.restore(eye.slice(0, 3), eye.slice(3));
+    if (between.length === 2 && between[1] > 0) Object.assign(this.section, { top: between[0], length: between[1], fitted: true });
+    for (const id of SHOWN) {
+      this.shown[id] = !(parts.get('off') ?? '').split('_').includes(id);
+      byId(id).checked = this.shown[id];
+    }
+  }
+}
+
+// Return how far to the east of its path each well is drawn. Wells without a stated place stand side by side.
+/** @param {ListedWell[]} wells */
+export function placed(wells) {
+  /** @param {ListedWell} of */
+  const unknown = ({ head }) => !head || head.every((x) => x === 0);
+  const lost = wells.filter(unknown);
+  if (lost.length < 2) return { east: wells.map(() => 0), note: '' };
+  const apart = niceStep(Math.max(...wells.map(({ length }) => length)) / 5);
+  return {
+    east: wells.map((well) => (unknown(well) ? apart * lost.indexOf(well) : 0)),
+    note: `No place is stated for ${lost.length === wells.length ? 'the wells' : lost.map(({ name }) => name).join(', ')} (path.head): drawn ${apart} m apart.`,
+  };
+}
+
+const wells = new Wells();
+// For tests: what is loaded, and what the page can do.
+Object.assign(window, { __wall: {
+  wells,
+  get ready() {
+    return wells.wells.length > 0 && wells.wells.every(({ ready }) => ready) && (wells.mode === 'scene' ? wells.scene : wells.section).fitted;
+  },
+} });

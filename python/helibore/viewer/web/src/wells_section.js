@@ -1,0 +1,197 @@
+// Several wells side by side, as in a correlation: each with depths, image and caliper; a bed that two neighbours have is a band
+// between them. Depths are measured depths, or count from a top, which then stands at one height in all wells.
+
+import { drawCaliper } from './caliper.js';
+import { drawDips } from './dip_ink.js';
+import { BOLD, fitting, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { edges, line, sharp } from './strokes.js';
+import { intervalAt } from './tops.js';
+import { drawAxis, drawAxisLabels, drawImageHead, drawOutside } from './tracks.js';
+import { showDepth, showLength, showQuantity } from './units.js';
+import { bed } from './wells_scene.js';
+
+const NAME = 24; // pixels above the heads, for the names of the wells
+const AXIS = 76;
+const FOOT = 8;
+const SHORTEST = 0.5; // metres
+
+export class Section {
+  top = 0;
+  length = 100;
+  fitted = false;
+  /** @type {{ well: import('./well.js').Well, rects: Rects, datum: number }[]} */
+  columns = [];
+
+  /** @param {import('./wells.js').Wells} wells */
+  constructor(wells) {
+    this.wells = wells;
+  }
+
+  // Return the depth in a well from which its depths count here; NaN if the well lacks the top.
+  /** @param {import('./well.js').Well} well */
+  datumOf({ store }) {
+    const { datum } = this.wells;
+    return datum ? (store.intervals.find(([name]) => name === datum)?.[1] ?? NaN) : 0;
+  }
+
+  fit() {
+    const ends = this.wells.drawn.map((well) => well.store.span.map((depth) => depth - this.datumOf(well))).filter(([top]) => Number.isFinite(top));
+    if (!ends.length) return;
+    const [top, bottom] = [Math.min(...ends.map((one) => one[0])), Math.max(...ends.map((one) => one[1]))];
+    Object.assign(this, { top: top - 0.01 * (bottom - top), length: 1.02 * (bottom - top), fitted: true });
+  }
+
+  /** @param {number} top @param {number} length */
+  go(top, length) {
+    Object.assign(this, { top, length: Math.max(SHORTEST, length) });
+    this.wells.moved();
+  }
+
+  /** @param {import('./well.js').Well} well @param {number} depth */
+  centre(well, depth) {
+    this.go(depth - this.datumOf(well) - this.length / 2, this.length);
+  }
+
+  /** @param {number} steps @param {boolean} zooms @param {number} y */
+  wheel(steps, zooms, y) {
+    const [first] = this.columns;
+    if (!first) return;
+    const { top, height } = first.rects.axis;
+    const share = (y - top) / height;
+    const length = this.length * (zooms ? 1.25 ** steps : 1);
+    this.go(zooms ? this.top + share * (this.length - length) : this.top + 0.1 * steps * this.length, length);
+  }
+
+  /** @param {number} pixels */
+  drag(pixels) {
+    const [first] = this.columns;
+    if (first) this.go(this.top - (pixels * this.length) / first.rects.axis.height, this.length);
+  }
+
+  /** @param {Ink} ink @param {Rect} rect @returns {Look[]} */
+  draw(ink, rect) {
+    const { wells } = this;
+    const { gpu, view } = wells;
+    wells.scene.orbit.enabled = false;
+    if (!this.fitted) this.fit();
+    const palette = PALETTES[view.theme];
+    const drawn = wells.drawn.filter((well) => Number.isFinite(this.datumOf(well)));
+    const each = rect.width / Math.max(1, drawn.length);
+    const between = Math.min(120, Math.max(28, 0.14 * each));
+    const body = { top: NAME + HEAD, height: Math.max(40, rect.height - NAME - HEAD - FOOT) };
+    const shape = each - between - AXIS > 150;
+    this.columns = drawn.map((well, i) => {
+      const left = i * each + 4;
+      const room = each - between - AXIS - 8;
+      const caliper = shape && well.store.basis !== 'gauge' ? Math.round(0.36 * room) : 0;
+      const image = { ...body, left: left + AXIS, width: room - caliper - (caliper ? 6 : 0) };
+      const none = { ...body, left, width: 0 };
+      return { well, datum: this.datumOf(well), rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, wall: none, pane: none } };
+    });
+    const looks = this.columns.map(({ well, datum, rects }) => {
+      const shown = wells.viewOf(this.top + datum, this.length);
+      well.ask(shown.top, shown.bottom);
+      const look = wells.look(well, Object.create(shown, { camera: { value: 'straight' } }), rects);
+      gpu.image(look);
+      return look;
+    });
+    if (wells.shown.fence) this.join(ink, body);
+    looks.forEach((look, i) => this.column(ink, look, this.columns[i], palette));
+    const left = wells.drawn.length - drawn.length;
+    if (left) label(ink, `${left} well${left === 1 ? '' : 's'} without ${wells.datum} not shown`, rect.left + rect.width - 8, rect.height - 4, { colour: palette.soft, align: 'right', font: SMALL });
+    return looks;
+  }
+
+  /** @param {Ink} ink @param {Look} look @param {{ well: import('./well.js').Well, rects: Rects }} of @param {Palette} palette */
+  column(ink, look, { well, rects }, palette) {
+    const { axis, image, caliper } = rects;
+    const looks = { ...look, images: [look], curtain: null };
+    const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
+    ink.font = BOLD;
+    label(ink, fitting(ink, [well.name], right - axis.left), (axis.left + right) / 2, 11, { colour: palette.ink, align: 'center', font: BOLD });
+    ink.save();
+    ink.translate(0, NAME);
+    const lower = (/** @type {Rect} */ rect) => ({ ...rect, top: rect.top - NAME });
+    const moved = { ...looks, rects: Object.fromEntries(Object.entries(rects).map(([name, rect]) => [name, lower(rect)])), imageRect: lower(image) };
+    drawAxis(ink, moved);
+    drawImageHead(ink, moved);
+    drawCaliper(ink, moved);
+    drawOutside(ink, moved);
+    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, null);
+    drawAxisLabels(ink, moved);
+    ink.restore();
+    edges(ink, sharp(image, -1), palette.line);
+    const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
+    for (const [name, start] of look.intervals) {
+      const y = this.y(start - this.datumOf(well), rects);
+      if (y < axis.top || y > axis.top + axis.height) continue;
+      line(ink, axis.left, y, right, y, colours.get(name) ?? palette.top, [], 2.5);
+      label(ink, fitting(ink, [name], image.width - 8), image.left + 5, y + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
+    }
+  }
+
+  /** @param {number} down @param {Rects} rects */
+  y(down, { axis }) {
+    return axis.top + ((down - this.top) / this.length) * axis.height;
+  }
+
+  // Fill the bands of the beds that two neighbours have.
+  /** @param {Ink} ink @param {{ top: number, height: number }} body */
+  join(ink, body) {
+    ink.save();
+    ink.beginPath();
+    ink.rect(0, body.top, 1e5, body.height);
+    ink.clip();
+    this.columns.slice(0, -1).forEach((one, i) => {
+      const next = this.columns[i + 1];
+      const end = one.rects.caliper.width ? one.rects.caliper : one.rects.image;
+      const [left, right] = [end.left + end.width + 2, next.rects.axis.left];
+      for (const { name, colour } of this.wells.tops) {
+        const [a, b] = [one, next].map(({ well, rects, datum }) => (this.wells.hidden.has(name) ? null : bed(well, name)?.map((depth) => this.y(depth - datum, rects))));
+        if (!a || !b) continue;
+        ink.beginPath();
+        for (const [x, y] of [[left, a[0]], [right, b[0]], [right, b[1]], [left, a[1]]]) ink.lineTo(x, y);
+        ink.closePath();
+        ink.fillStyle = colour;
+        ink.globalAlpha = 0.45;
+        ink.fill();
+        ink.globalAlpha = 1;
+        line(ink, left, a[0], right, b[0], colour, [], 2.5);
+      }
+    });
+    ink.restore();
+  }
+
+  /** @param {number} x @param {number} y */
+  found(x, y) {
+    for (const { well, rects, datum } of this.columns) {
+      const { axis, image, caliper } = rects;
+      const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
+      if (x < axis.left || x > right || y < axis.top || y > axis.top + axis.height) continue;
+      return { well, depth: this.top + datum + ((y - axis.top) / axis.height) * this.length };
+    }
+    return null;
+  }
+
+  // Return what is known of a well at a depth, as pairs of name and text.
+  /** @param {import('./well.js').Well} well @param {number} depth */
+  rows(well, depth) {
+    const { store, path } = well;
+    const { units } = this.wells.view;
+    const tvd = path.tvd(depth);
+    const asked = well.quantity(this.wells.quantity);
+    const over = store.levels[1];
+    const values = Array.from({ length: over.sectors }, (_, i) => store.vertex(over.quadAt(depth, (360 * (i + 0.5)) / over.sectors), over)).filter((one) => one !== null);
+    /** @param {number[]} of */
+    const mean = (of) => of.reduce((sum, value) => sum + value, 0) / of.length;
+    const own = asked.attribute === undefined ? [] : [[asked.name, showQuantity(asked, mean(values.map(({ attributes }) => attributes[asked.attribute ?? 0]).filter(Number.isFinite)), units)]];
+    return [
+      ['Well', well.name],
+      ['MD', showDepth(depth, units)],
+      ...(Number.isNaN(tvd) ? [] : [['TVD', showDepth(tvd, units)]]),
+      ['Bed', intervalAt(store.intervals, depth) ?? '–'],
+      ...(values.length ? [['Mean diameter', showLength(2 * mean(values.map(({ radius }) => radius)), units)]] : []),
+      ...own,
+    ];
+  }
+}

@@ -1,0 +1,154 @@
+"""Several wells on one page: where they are, what joins their tops, and the way to each well's own page."""
+
+from __future__ import annotations
+
+import json
+import urllib.request
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from command import run
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+HEADS = {"A-1": (10.0, 20.0, -30.0), "B-2": (15.0, 60.0, -30.0), "C-3": (40.0, 90.0, -30.0)}
+TOPS = {"A-1": (1004.0, 1010.0), "B-2": (1006.0, 1009.0), "C-3": (1003.5, 1012.0)}
+
+
+def made(head: tuple[float, float, float] | None, tops: tuple[float, ...] = (), inclination: float = 30.0) -> hb.Wall:
+    """A hole at bit size from 1000 to 1016 m, with the beds Upper, Lower ..."""
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1016.0, 0.2), bit_diameter=0.2, sectors=16, pitch=0.1)
+    if head is not None:
+        survey = hb.Survey([990.0, 1030.0], [inclination, inclination], [75.0, 75.0])
+        wall.path = survey.path(head=head)
+    ends = [*tops[1:], 1016.0]
+    names = (f"Bed {number}" for number in range(len(tops)))
+    wall.intervals = tuple(map(hb.Interval, names, tops, ends))
+    return wall
+
+
+@pytest.fixture(scope="module")
+def wells() -> Iterator[Any]:
+    walls = {name: made(HEADS[name], TOPS[name]) for name in HEADS}
+    with hb.view_wells(walls) as viewer:
+        yield viewer, walls
+
+
+def answer(viewer: Any, path: str) -> Any:
+    address, token = viewer.url.split("?")
+    with urllib.request.urlopen(f"{address}{path}?{token}") as got:
+        return got.read()
+
+
+def test_each_well_has_its_own_addresses(wells: Any) -> None:
+    viewer, walls = wells
+    listed = json.loads(answer(viewer, "api/wells"))
+    assert [one["name"] for one in listed] == list(HEADS)
+    assert [tuple(one["head"]) for one in listed] == list(HEADS.values())
+    assert [one["length"] for one in listed] == pytest.approx([16.0] * 3, abs=0.2)
+    for one, wall in zip(listed, walls.values(), strict=True):
+        assert json.loads(answer(viewer, f"{one['address']}healthz"))["vertices"] == len(wall)
+        assert json.loads(answer(viewer, f"{one['address']}api/history"))["vertices"] == [len(wall)]
+    assert json.loads(answer(viewer, "healthz"))["vertices"] == sum(map(len, walls.values()))
+
+
+@pytest.mark.parametrize("path", ["", "wells.js", "app.css", "api/wells", "w/0/", "w/1/api/summary"])
+def test_who_has_no_token_gets_nothing(wells: Any, path: str) -> None:
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(wells[0].url.split("?")[0] + path)
+
+
+def test_no_well_is_refused() -> None:
+    with pytest.raises(hb.InputError, match="walls: must have at least one"):
+        hb.view_wells({})
+
+
+@pytest.mark.parametrize("option", [["--bit-diameter", "8in"], ["--html", "all.html"], ["--picks", "picks.csv"]])
+def test_options_of_one_well_are_refused(tmp_path: Any, option: list[str]) -> None:
+    files = [tmp_path / name for name in ("a.wall", "b.wall")]
+    for file in files:
+        made(None).save(file)
+    result = run("view", *map(str, files), *option)
+    assert result.exit_code == 2
+    assert f"{option[0]}: does not go with several archives" in result.output
+
+
+class TestPage:
+    pytestmark = NEEDS_BROWSER
+
+    def test_wells_stand_where_their_paths_are(self, browser: Any, wells: Any) -> None:
+        viewer, walls = wells
+        screen = Screen(browser, viewer.url, drawn=False)
+        for i, wall in enumerate(walls.values()):
+            for depth in (1000.0, 1007.3, 1016.0):
+                place = screen.evaluate(
+                    "([i, depth]) => { const { wells } = window.__wall;"
+                    " return wells.scene.at(wells.wells[i], depth).map((x, j) => x + wells.scene.origin[j]); }",
+                    [i, depth],
+                )
+                north, east, down = wall.path.position([depth])[0]
+                assert place == pytest.approx([east, north, -down], abs=2e-3)
+        assert screen.evaluate("document.getElementById('placed').textContent") == ""
+        screen.close()
+
+    def test_a_joined_bed_ends_at_its_tops(self, browser: Any, wells: Any) -> None:
+        viewer, walls = wells
+        screen = Screen(browser, viewer.url, "#off=discs_planes_box", drawn=False)
+        screen.until("window.__wall.wells.scene.areas.places.length")
+        places, origin = screen.evaluate("(({ areas, origin }) => [areas.places, origin])(window.__wall.wells.scene)")
+        points = np.array(places).reshape(-1, 4)[:, :3] + origin
+        for name, wall in walls.items():
+            for top in TOPS[name]:
+                north, east, down = wall.path.position([top])[0]
+                assert np.abs(points - [east, north, -down]).max(axis=1).min() < 2e-3
+        screen.close()
+
+    def test_tops_level_at_one_height(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, "#mode=section&datum=Bed+1", drawn=False)
+        heights = screen.evaluate(
+            "(({ section }) => section.columns.map(({ well, datum, rects }) =>"
+            " well.store.intervals.map(([, start]) => section.y(start - datum, rects))))(window.__wall.wells)"
+        )
+        assert len(heights) == 3
+        upper, lower = np.array(heights).T
+        assert np.ptp(lower) < 1e-9
+        thickness = np.array([bottom - top for top, bottom in TOPS.values()])
+        assert (lower - upper) / thickness == pytest.approx([(lower - upper)[0] / thickness[0]] * 3)
+        screen.close()
+
+    def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
+        rect, top, length = screen.evaluate(
+            "(({ section: { columns, top, length } }) => [columns[1].rects.image, top, length])(window.__wall.wells)"
+        )
+        bar = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
+        screen.mouse.move(rect["left"] + 0.5 * rect["width"], bar + rect["top"] + 0.25 * rect["height"])
+        screen.until("document.querySelector('#readout dd')")
+        found = screen.readout()
+        assert found["Well"] == "B-2"
+        assert float(found["MD"].split()[0]) == pytest.approx(top + 0.25 * length, abs=0.1)
+        assert found["Bed"] == "–"
+        screen.close()
+
+    def test_a_wells_page_opens(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, drawn=False)
+        links = screen.evaluate("[...document.querySelectorAll('#wells a')].map(({ href }) => href)")
+        screen.close()
+        own = Screen(browser, links[2], drawn=False)
+        own.until("document.title.startsWith('C-3')")
+        assert own.evaluate("window.__wall.app.store.intervals.length") == 2
+        own.close()
+
+    def test_wells_without_a_place_stand_apart_and_the_page_says_so(self, browser: Any) -> None:
+        with hb.view_wells({"One": made(None), "Two": made(None), "Three": made((5.0, 5.0, 0.0))}) as viewer:
+            screen = Screen(browser, viewer.url, drawn=False)
+            east = screen.evaluate("window.__wall.wells.wells.map((well) => well.path.at(1005).centre[1])")
+            assert abs(east[1] - east[0]) > 1.0
+            note = screen.evaluate("document.getElementById('placed').textContent")
+            assert "One, Two" in note
+            assert f"{east[1] - east[0]:g} m apart" in note
+            assert "Three" not in note
+            screen.close()
