@@ -5,7 +5,9 @@ r"""Find the shift of a pass as a function of depth: the likeliest smooth path t
            +---------- depth    row. How much it wanders is chosen by the evidence; a constant shift wanders hardly.
 
 A shift that wanders is looked for once more about the line through it (a cable that stretches); that path is kept if it
-wanders less, with the deviation of the first, which knows of no line.
+wanders less, with the deviation of the first, which knows of no line. A pass that moves to and fro has mass, so its
+path is found once more as one whose slope wanders, not the shift itself; how much the slope does is chosen by the
+evidence as well.
 
 Readings follow Student's t about the field of the other passes. Neighbouring readings err together, so the logarithm of
 the likelihood is divided by the geometric mean of two numbers: how much more the slope of the fit over whole stretches
@@ -40,6 +42,9 @@ _WANDERS = (0.0003, 0.001, CALM, RESTLESS, 0.03, 0.1)  # metres in 5 cm of depth
 _NEARLY = 1.0  # logarithm: a pass moves to and fro if the evidence for it is at most so much less than for a calm path
 _JUMP = 1e-6  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
 _ROWS_AT_ONCE = 256
+_SLOPES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # variance of the change of a shift's slope in 1 m of depth, 1/m
+_NEAR = 0.06  # metres from the path within which a row is asked which shift it says
+_BLOCK, _LEAD = 160, 60  # rows that are smoothed at once, and rows before and after them
 STRETCH = 2.0
 """Metres in which readings err together."""
 
@@ -71,6 +76,8 @@ def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthP
         Metres, of a reading of the pass.
     """
     path = _path_about(np.zeros(rows.depth.size), rows, fields, noise)
+    if path.wander >= RESTLESS:
+        return _smoothed(path, rows.depth)
     known = path.known
     if path.wander == _WANDERS[0] or known.sum() < 3:
         return path
@@ -105,6 +112,52 @@ def _path_about(base: Floats, rows: RowsOfPass, fields: Sequence[Field], noise: 
     sigma = np.hypot(np.sqrt((probability * np.square(away)).sum(axis=1)), FINEST)
     known = (sigma < APART) & ((probability * (np.abs(away) > APART)).sum(axis=1) < 0.02)
     return DepthPath(base + shift, sigma, known, raw / divisor, bias, divisor, wander, base)
+
+
+def _smoothed(path: DepthPath, depth: Floats) -> DepthPath:
+    """Return a path that moves to and fro with a slope that wanders; rows in which it is another are not known."""
+    mean, precision = _said_alone(path)
+    shift, variance, _ = max(
+        (with_slope(depth, mean, precision, slope) for slope in _SLOPES), key=lambda found: found[2]
+    )
+    known = path.known & (np.abs(shift - path.shift) < APART)
+    shift = np.where(known, shift, path.shift)
+    return replace(
+        path, shift=shift, sigma=np.where(known, np.hypot(np.sqrt(variance), FINEST), path.sigma), known=known
+    )
+
+
+def _said_alone(path: DepthPath) -> tuple[Floats, Floats]:
+    """Return mean and precision of the normal law that stands for what each row says by itself of a shift near the
+    path; a precision of 0 where it says nothing."""
+    away = path.base[:, None] + GRID - path.shift[:, None]
+    score = path.fits - 0.5 * np.square(away / _NEAR)
+    probability = np.exp(score - score.max(axis=1, keepdims=True))
+    probability /= probability.sum(axis=1, keepdims=True)
+    mean = (probability * away).sum(axis=1)
+    both = 1.0 / ((probability * np.square(away - mean[:, None])).sum(axis=1) + FINEST**2)
+    precision = np.maximum(both - 1.0 / _NEAR**2, 0.0)
+    return path.shift + mean * both / np.maximum(precision, 1e-9), precision
+
+
+def with_slope(depth: Floats, mean: Floats, precision: Floats, slope: float) -> tuple[Floats, Floats, float]:
+    """Return mean and variance of the shift of each row, and the evidence but for a constant, for rows that say
+    ``mean`` with ``precision`` and a slope whose changes have the variance ``slope`` in a metre."""
+    shift, variance, evidence = np.empty(depth.size), np.empty(depth.size), 0.0
+    for first in range(0, depth.size, _BLOCK):
+        start, stop = max(first - _LEAD, 0), min(first + _BLOCK + _LEAD, depth.size)
+        gap = np.diff(depth[start:stop])
+        bends = np.diff(np.diff(np.eye(stop - start), axis=0) / gap[:, None], axis=0)
+        bends /= np.sqrt(0.5 * slope * (gap[1:] + gap[:-1]))[:, None]
+        said = precision[start:stop] * mean[start:stop]
+        matrix = bends.T @ bends + np.diag(precision[start:stop] + 1.0 / MOST**2)
+        inverse = np.linalg.inv(matrix)
+        found = inverse @ said
+        evidence += 0.5 * float(said @ found - np.linalg.slogdet(matrix)[1] - len(bends) * np.log(slope))
+        inside = slice(first - start, first - start + _BLOCK)
+        shift[first : first + _BLOCK] = found[inside]
+        variance[first : first + _BLOCK] = np.diagonal(inverse)[inside]
+    return shift, variance, evidence
 
 
 def student(off: Floats, variance: Floats) -> Floats:

@@ -14,6 +14,7 @@ from locations import SHARED
 import helibore as hb
 from bench.accuracy import preparation
 from helibore.preparation.biases import arm_sides, find_bias
+from helibore.preparation.depth_paths import MOST, with_slope
 from helibore.preparation.passes import choose, difference, number_passes, odd_passes
 from helibore.preparation.prepare import Preparation, prepare
 from helibore.preparation.readings import Readings
@@ -78,6 +79,46 @@ def test_few_arms_that_move_to_and_fro_are_right_or_refused(seed):
     found = preparation.found(preparation.ordinary(seed), "four arms", shift, seed)
     off = (found.shift - shift(found.depth))[found.known] if found.found else np.zeros(1)
     assert np.sqrt(np.mean(off**2)) < 0.05
+
+
+@pytest.mark.parametrize("kind", ["heave", "yo-yo"])
+def test_a_dense_tool_that_moves_to_and_fro_is_found_within_three_centimetres(kind, monkeypatch):
+    monkeypatch.setattr(preparation, "LENGTH", 40.0)
+    shift = preparation.shift_of(kind, 9008)
+    found = preparation.found(preparation.ordinary(9008), "dense", shift, 9008)
+    off = found.shift - shift(found.depth)
+    assert found.found
+    assert np.sqrt(np.mean(np.square(off[found.known]))) < 0.03
+    assert np.mean(np.abs(off) < 1.96 * found.sigma) > 0.9
+
+
+def test_a_path_whose_slope_wanders_against_least_squares_of_all_rows():
+    """The evidence against the normal law of what the rows say, which has no closed form without the covariance."""
+    rng = np.random.default_rng(5)
+    depth = np.cumsum(rng.uniform(0.03, 0.07, 400))
+    mean, precision = np.sin(2 * depth) * 0.1 + rng.normal(0, 0.02, 400), rng.choice([0.0, 900.0, 2500.0], 400)
+    evidence, laws = [], []
+    for slope in (0.1, 1.0):
+        rows, values = [], []
+        for i in range(398):
+            row, one, two = np.zeros(400), depth[i + 1] - depth[i], depth[i + 2] - depth[i + 1]
+            row[i : i + 3] = 1 / one, -1 / one - 1 / two, 1 / two
+            rows.append(row / np.sqrt(slope * (one + two) / 2))
+            values.append(0.0)
+        prior = np.linalg.inv(np.array(rows).T @ np.array(rows) + np.eye(400) / MOST**2)
+        for i in range(400):
+            rows += [np.eye(400)[i] * np.sqrt(precision[i]), np.eye(400)[i] / MOST]
+            values += [mean[i] * np.sqrt(precision[i]), 0.0]
+        expected = np.linalg.lstsq(np.array(rows), np.array(values), rcond=None)[0]
+        shift, variance, found = with_slope(depth, mean, precision, slope)
+        np.testing.assert_allclose(shift, expected, atol=1e-6)
+        inverse = np.linalg.inv(np.array(rows).T @ np.array(rows))
+        np.testing.assert_allclose(variance, np.diagonal(inverse), rtol=1e-4)
+        said = precision > 0
+        covariance = prior[np.ix_(said, said)] + np.diag(1 / precision[said])
+        laws.append(-0.5 * (mean[said] @ np.linalg.solve(covariance, mean[said]) + np.linalg.slogdet(covariance)[1]))
+        evidence.append(found)
+    assert (evidence[1] > evidence[0]) == (laws[1] > laws[0])
 
 
 @pytest.mark.parametrize(("tool", "seed"), [("X-Y", 9601), ("X-Y", 9605), ("four arms", 9602)])
