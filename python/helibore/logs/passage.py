@@ -232,6 +232,72 @@ def passage_of(
     return Passage(**_solved(wall, bodies, sigma, upper_limit))
 
 
+@dataclass(frozen=True)
+class Hanging:
+    """The clearance of a rigid string at one place, as an end of a wall that grows lets it be known.
+
+    Attributes
+    ----------
+    clearance, low, high
+        As in `Passage`, metres; NaN: unknown.
+    depth
+        Where the string touches first, metres.
+    body
+        Number of the body that touches there, from 0.
+    at_most
+        Whether the clearance may be less, because a vertex beside a body is not measured and counts as wide open.
+    """
+
+    clearance: float
+    low: float
+    high: float
+    depth: float
+    body: int
+    at_most: bool
+
+
+def hanging_at(
+    wall: WallLike, string: Sequence[RigidBody], lower_end: float, sampled: Mask | None, sigma: Floats | None = None
+) -> Hanging | None:
+    """Return the clearance of a string whose lower end is at a depth, metres; None if no body is beside measured hole.
+
+    Hole above and below the wall counts as wide open, as hole that the bit has drilled and no sensor has passed. So the
+    clearance is that of the bodies beside the wall. ``sampled`` and ``sigma`` are those of `Wall`, one for each radius.
+    """
+    helix, radius = whole_helix(wall), column("radius", wall.radius)
+    K, turns = helix.sectors, radius.size // helix.sectors
+    length = max(body.position + body.length for body in string)
+    ends = ((end - helix.start_depth) / helix.pitch - helix.first / K for end in (lower_end - length, lower_end))
+    first, stop = sorted(ends)
+    first, stop = math.floor(first) - 2, math.ceil(stop) + 2
+    own = slice(K * min(max(first, 0), turns), K * min(max(stop, 0), turns))
+    if own.start >= own.stop:
+        return None
+    lack = (own.start - K * first, K * stop - own.stop)
+
+    def part(values: Any, beyond: float) -> Floats:
+        padded: Floats = np.pad(values[own], lack, constant_values=beyond)
+        return padded
+
+    place = (helix.start_depth, helix.start_toolface, helix.pitch, K, helix.first + K * first)
+    middle = length / 2
+    bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
+    path, threads = core_path(getattr(wall, "path", None)), thread_count(getattr(wall, "threads", None))
+    known = np.isfinite(radius) if sampled is None else sampled
+    row = round((lower_end - middle - helix.start_depth) / helix.pitch - helix.first / K - 0.5) - first
+    for at_most in (False, True):
+        radii = part(np.where(known, radius, OPEN) if at_most else radius, OPEN)
+        counts = np.empty(0) if at_most else part(known.astype(np.float64), 1.0)
+        errors = np.empty(0) if at_most or sigma is None else part(sigma, 0.0)
+        found = _core.passage_columns(place, radii, path, bodies, counts, errors, threads)
+        clearance, body = float(found["clearance"][row]), int(found["contact_body"][row, 0])
+        if math.isfinite(clearance):
+            low, high = float(found["low"][row]), float(found["high"][row])
+            depth = float(found["contact_depth"][row, 0])
+            return Hanging(clearance, low, high, depth, body, at_most) if clearance < OPEN else None
+    return None
+
+
 def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None) -> Drift:
     """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does."""
     if isinstance(length, str):

@@ -1,10 +1,9 @@
 """The channels of the rig in rig mode as one picture (SVG): latest value, and the line of the last two hours, of each.
 
-+-----------+-----------+
-| WOB       | SPP, high |     the page shows it as an image, so that it stays small
-| 102.4 kN  | 231 bar   |
-| ~~--/\\~   | --__/~~   |
-+-----------+-----------+
++------------------+------------------+
+| WOB              | SPP, high        |     the page shows it as an image, so that it stays small
+| 102.4 kN ~~--/\\~ | 231 bar  --__/~~ |
++------------------+------------------+
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from xml.sax.saxutils import escape
 
 from helibore.base.harmless import printable
 
-WIDTH, HEIGHT, GAP = 220, 96, 6
+WIDTH, HEIGHT, GAP = 300, 64, 6
 """Size of a cell and the space between two, in units of the picture."""
-LINE = 42, 90
-"""Top and bottom of the line in a cell."""
+LINE = 190, 290, 8, 56
+"""Left, right, top and bottom of the line in a cell."""
 LONGEST = 60.0
 """Seconds between two values of a line from which on it has a gap."""
 OLD = 60.0
@@ -63,12 +62,12 @@ def channel_strip(channels: Sequence[ShownChannel], theme: str) -> str:
 def _cell(one: ShownChannel, span: tuple[float, float], colours: dict[str, str]) -> str:
     colours = ALARM if one.beyond else colours
     head = ", ".join(part for part in (one.name, one.beyond, _age(one.age)) if part)
-    number = f"{one.value:.5g}".replace("-", "−") if math.isfinite(one.value) else "–"
-    small = f'<tspan font-size="13" font-weight="400"> {_text(one.unit)}</tspan>'
+    number = f"{one.value:.{4 if abs(one.value) < 1e3 else 5}g}".replace("-", "−") if math.isfinite(one.value) else "–"
+    small = f'<tspan font-size="18" font-weight="400"> {_text(one.unit)}</tspan>'
     return (
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="{colours["panel"]}" stroke="{colours["line"]}"/>'
-        f'<text x="8" y="15" font-size="12" fill="{colours["soft"]}">{_text(head)}</text>'
-        f'<text x="8" y="38" font-size="22" font-weight="700" fill="{colours["ink"]}">{number}{small}</text>'
+        f'<text x="8" y="19" font-size="17" fill="{colours["soft"]}">{_text(head)}</text>'
+        f'<text x="8" y="54" font-size="36" font-weight="700" fill="{colours["ink"]}">{number}{small}</text>'
         f'<path d="{_line(one, span)}" fill="none" stroke="{colours["ink"]}" stroke-width="1.5"/>'
     )
 
@@ -77,13 +76,13 @@ def _line(one: ShownChannel, span: tuple[float, float]) -> str:
     """Return the path of a line, which fills its part of the cell from its least to its greatest value."""
     if not len(one.values):
         return ""
-    low, high, (top, bottom) = min(one.values), max(one.values), LINE
+    low, high, (left, right, top, bottom) = min(one.values), max(one.values), LINE
     scale = (bottom - top) / (high - low) if high > low else 0.0
-    wide = (WIDTH - 16) / max(span[1] - span[0], 1.0)
+    wide = (right - left) / max(span[1] - span[0], 1.0)
     path, before = [], -math.inf
     for time, value in zip(one.times, one.values, strict=True):
         y = bottom - (value - low) * scale if scale else (top + bottom) / 2
-        path.append(f"{'M' if time - before > LONGEST else 'L'}{8 + (time - span[0]) * wide:.1f} {y:.1f}")
+        path.append(f"{'M' if time - before > LONGEST else 'L'}{left + (time - span[0]) * wide:.1f} {y:.1f}")
         before = time
     return "".join(path)
 

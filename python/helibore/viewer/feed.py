@@ -6,7 +6,8 @@ The producer only notes ranges, so ten appends between two reads cost one read a
 copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or for as long as the read
 took if that is longer, which leaves half a core to the producer. After a change, another thread measures the turns,
 finds the zones of the wall, the vertices interpolated between arms and how sure each radius is. For a long wall that
-takes a second, and new vertices must not wait for it.
+takes a second, and new vertices must not wait for it. The clearance of a string at all depths takes longer still, so
+it waits for its turn; its clearance where it hangs now is found with each look.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import ScalarCurve, curves_of
-from helibore.logs.passage import passage_of
+from helibore.logs.passage import hanging_at, passage_of
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
 from helibore.logs.zones import LIKELY, Classification, classify
@@ -46,7 +47,9 @@ from helibore.viewer.texels import Vertices
 
 CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
-ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones; the sleep is at least 50 times the search
+ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones
+SHARE = 20  # the sleep is at least so many times the processor time of the search
+STRING_SECONDS = 1.0  # seconds between two looks where the string hangs
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
 FIRST_DATE = 1e8  # seconds: a smaller time counts from the start of the run, not from 1970
 MOST_BACK = 1.0  # metres that samples may lie above earlier ones, as those of several sensors do
@@ -123,6 +126,7 @@ class Feed:
         self._ends = (math.nan, math.nan)  # depths of the wall's ends when its zones were found
         self._grown = threading.Event()  # the wall has changed since its zones were found, or they were never found
         self._grown.set()
+        self._measured: tuple[Any, Floats | None] | None = None  # the wall whose zones were found last, and its sigma
         self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colour ranges are final
         self._logged = 0  # how often the logs were measured
@@ -216,14 +220,25 @@ class Feed:
             self._closed.wait(max(READ_SECONDS, time.monotonic() - began))
 
     def _run_zones(self) -> None:
+        zones_due = string_due = 0.0
+        stale = False  # the clearance of the string at all depths is that of an earlier wall
         while True:
-            self._grown.wait()
-            self._grown.clear()
+            self._grown.wait(STRING_SECONDS if self._string else None)
             if self._closed.is_set():
                 return
-            began = time.monotonic()
-            self.find_zones()
-            self._closed.wait(max(ZONES_SECONDS, 50 * (time.monotonic() - began)))
+            began = time.thread_time()
+            if self._grown.is_set() and time.monotonic() >= zones_due:
+                self._grown.clear()
+                self._find_zones()
+                stale = True
+                zones_due = time.monotonic() + max(ZONES_SECONDS, SHARE * (time.thread_time() - began))
+            self.find_clearance_above_bit()
+            began = time.thread_time()
+            if stale and time.monotonic() >= string_due:
+                self._find_clearance()
+                stale, string_due = False, time.monotonic() + SHARE * (time.thread_time() - began)
+            rest = zones_due - time.monotonic()
+            self._closed.wait(max(0.0, min(rest, STRING_SECONDS) if self._string else rest))
 
     def _read(self, ranges: list[Range], settled: int) -> None:
         for start, stop in ranges:
@@ -262,7 +277,11 @@ class Feed:
             self.scene.update_state(ranges=ranges)
 
     def find_zones(self) -> None:
-        """Find zones, interpolated vertices and logs of the present wall, and set them in the scene."""
+        """Find zones, interpolated vertices, logs and clearance of the present wall, and set them in the scene."""
+        self._find_zones()
+        self._find_clearance()
+
+    def _find_zones(self) -> None:
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
@@ -272,7 +291,7 @@ class Feed:
         sigma = None if measured is None else _sigma_of(wall)
         if measured is not None:
             self.scene.set_trust(np.isfinite(wall.radius) & ~measured, sigma)
-        clearance = self._clearance(wall, sigma)
+        self._measured = wall, sigma
         zones: list[dict[str, Any]] = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
@@ -282,11 +301,10 @@ class Feed:
             zones.append(place | size | sure | side)
         zones = sorted(zones + list(self._alarmed_zones(wall, found)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
-            if tuple(zones) != self.scene.state.zones:
-                self.scene.update_state(zones=tuple(zones))
+            self.scene.update_state(zones=tuple(zones), zones_to=round(self._ends[1], 2))
             if len(found.logs):
                 self._logged += 1
-                self.scene.set_curves([*curves_of(found.logs), *clearance], self._logged)
+                self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
     def _alarmed_zones(self, wall: Any, found: Classification) -> Iterator[dict[str, Any]]:
@@ -307,22 +325,53 @@ class Feed:
                 sure = {"confidence": LIKELY, "measured": _share(float(found.logs.coverage[first:last].mean()))}
                 yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
 
-    def _clearance(self, wall: Any, sigma: Floats | None) -> list[ScalarCurve]:
-        """Set the string of the scene's state; return its clearance at each depth of its lower end."""
-        if not self._string:
-            return []
-        bodies = [[body.diameter, body.length, body.position] for body in self._string]
+    def _find_clearance(self) -> None:
+        """Set the string's clearance, at each depth of its lower end, in the scene."""
+        if not self._string or self._measured is None:
+            return
+        wall, sigma = self._measured
         try:
             found = passage_of(wall, self._string, sigma)
         except InputError as error:  # longer than the wall, or no shape was measured
-            self.scene.update_state(string={"bodies": bodies, "why": str(error)})
-            return []
-        self.scene.update_state(string={"bodies": bodies, "why": ""})
+            self._hang(why=str(error))
+            return
         lower = found.depth + found.length / 2
         columns = {"Clearance": found.clearance, "Clearance low": found.low, "Clearance high": found.high}
         columns |= {"Tightest above bit": lower - found.contact_depth[:, 0]}
         order = np.argsort(lower, kind="stable")
-        return [ScalarCurve(name, "m", lower[order], values[order]) for name, values in columns.items()]
+        self._logged += 1
+        curves = (ScalarCurve(name, "m", lower[order], values[order]) for name, values in columns.items())
+        self.scene.set_curves(curves, self._logged)
+        self._hang(why="")
+
+    def find_clearance_above_bit(self) -> None:
+        """Set the clearance of the bodies above the bit where they are now, as far as hole is measured beside them.
+
+        While hole is drilled, the sensor is behind the bit. If the end of the measured hole is above the widest of the
+        bodies, the clearance is that of the string ``short`` metres higher, where this body was last in measured hole.
+        """
+        bit = self.scene.state.bit_depth
+        if not self._string or self._measured is None or not math.isfinite(bit) or self._shape.basis != "azimuthal":
+            return
+        wall, sigma = self._measured
+        above = sorted((body for body in self._string if body.position > 0), key=lambda body: body.position)
+        above = above or list(self._string)
+        widest = max(above, key=lambda body: body.diameter)
+        short = max(0.0, bit - widest.position - self._ends[1])
+        found = hanging_at(wall, above, bit - short, getattr(wall, "sampled", None), sigma)
+        if found is None:
+            self._hang(above_bit=None)
+            return
+        size = {"clearance": found.clearance, "low": found.low, "high": found.high, "depth": found.depth}
+        numbers = {name: round(value, 5) if math.isfinite(value) else None for name, value in size.items()}
+        body = above[found.body].name or "string"
+        self._hang(above_bit={"body": body, **numbers, "at_most": found.at_most, "short": round(short, 2)})
+
+    def _hang(self, **changes: Any) -> None:
+        bodies = [[body.diameter, body.length, body.position] for body in self._string]
+        string = {"why": "", **(self.scene.state.string or {}), "bodies": bodies, **changes}
+        if string != self.scene.state.string:
+            self.scene.update_state(string=string)
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""

@@ -174,10 +174,12 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once the wall is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
+    zones_to: float = math.nan  # depth of the wall's end when its zones were found, metres; NaN: not yet
     shape: Shape = "wall"  # what gives the diameters from which zones follow: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set
     meshes: bool = False  # whether `Scene.write_mesh` is set
-    # A rigid string: its "bodies" (diameter, length, position, metres), and "why" its clearance is not known.
+    # A rigid string: its "bodies" (diameter, length, position, metres), and "why" its clearance is not known. If
+    # the bit's depth is known, "above_bit": what the bodies above the bit clear (`Feed.find_clearance_above_bit`).
     string: Mapping[str, Any] | None = None
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
@@ -287,7 +289,8 @@ class Scene:
             self.settled = 0
             self.history = History()
             self.curves = {}
-            self.state = replace(self.state, true_depth=None, ranges={}, zones=(), shape="wall", curves=(), string=None)
+            self.state = replace(self.state, true_depth=None, ranges={}, shape="wall", curves=(), string=None)
+            self.state = replace(self.state, zones=(), zones_to=math.nan)
             self.begun = True
         self.on_change()
 

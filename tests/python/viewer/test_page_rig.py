@@ -52,9 +52,9 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         assert texts[1] == f"{bit + 40.5:.1f} m", "the bit was pulled up"
         assert texts[4] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
-        assert texts[3] == f"+{1000 * worst:.0f} mm"
+        assert re.fullmatch(rf"\+{1000 * worst:.0f} mm, \d+ % sure", texts[2])
         diameter = screen.evaluate("window.__wall.app.figures.summary.mean_diameter")
-        assert texts[2] == f"{1000 * diameter:.0f} mm"
+        assert texts[3] == f"{1000 * diameter:.0f} mm"
         screen.close()
 
 
@@ -75,12 +75,15 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         screen.keyboard.press("k")
         screen.until("document.getElementById('rigChannels').naturalWidth > 0")
         screen.settle()
-        cell = "['Head', '', 'More'].map((part) => document.getElementById('rigWorst' + part).textContent)"
+        cell = "['Head', '', 'More'].map((part) => document.getElementById('rigNext' + part).textContent)"
         head, digits, more = screen.evaluate(cell)
         assert (head, digits) == ("Tight above, stabiliser sticks in", "8.2 m")
         assert more == "207 of 213 mm at 1011.5 m"
-        worst = screen.evaluate(cell.replace("rigWorst", "rigSize"))
-        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m"]
+        worst = screen.evaluate(cell.replace("rigNext", "rigWorst"))
+        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m, 29 m above bit"]
+        section = screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]")
+        assert section[0] < 1003
+        assert section[1] > 1033.4, "what is named is in the picture"
         assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # bytes come, without a radius
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         assert screen.evaluate("document.getElementById('rigLamp').className") == "live"  # the hole is tight, data come
@@ -96,7 +99,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         assert screen.evaluate(CLIPPED) == []
         scene.update_state(channels=0, ahead=None)
         screen.until("document.getElementById('rigChannels').hidden")
-        screen.until("document.getElementById('rigWorstHead').textContent.startsWith('Worst')")
+        screen.until("document.getElementById('rigNextHead').textContent.startsWith('Hole size')")
         screen.close()
 
 
@@ -106,22 +109,37 @@ def test_rig_mode_says_worst_place_how_sure_clearance_and_feed_in_the_words_of_a
     radius = np.where(washed, 0.128, np.where(tight, 0.104, 0.1085))
     wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
     worst = wall.zones().by_severity()[0]
-    string = [hb.RigidBody(0.2, 1.0), hb.RigidBody(0.17, 2.0, 1.0)]
-    own = wall.passage(string, sigma=True)
-    at = 2019.0
-    clearance, low, high = (np.interp(at, own.depth + 1.5, 1000 * c) for c in (own.clearance, own.low, own.high))
+    string = [hb.RigidBody(0.216, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 3.0, "stabiliser")]
+    end = wall.depth[-1]
     with hb.view(wall, string=string) as viewer:
-        viewer.scene.update_state(bit_depth=at, newest=time.time())
+        viewer.scene.update_state(bit_depth=end + 2.5, hole_depth=end + 2.5, newest=time.time())
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
-        screen.until("document.getElementById('rigBitMore').textContent.includes(' to ')")
-        screen.until("document.getElementById('rigWorst').textContent !== 'none'")
         cell = "(name) => ['Head', '', 'More'].map((p) => document.getElementById(name + p)?.textContent)"
+
+        def string_at(bit: float, head: str) -> list[str]:
+            viewer.scene.update_state(bit_depth=bit)
+            screen.until(f"document.getElementById('rigStringHead').textContent === '{head}'")
+            screen.settle()
+            return screen.evaluate(f"({cell})('rigString')")
+
+        _, digits, more = string_at(end + 2.5, "Stabiliser clears")
+        assert digits == "+17 mm"
+        assert re.fullmatch(r"\+1\d to \+1\d, 95 % sure", more)
+        screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
+        worst = next(zone for zone in wall.zones().zones if zone.kind == "undergauge")
         head, digits, more = screen.evaluate(f"({cell})('rigWorst')")
-        assert head == f"Worst, over bit, {worst.confidence_text} sure"
-        assert digits == f"+{1000 * worst.measure:.0f} mm"
-        assert more == f"washout {worst.start:.1f}–{worst.stop:.1f} m"
-        _, _, clears = screen.evaluate(f"({cell})('rigBit')")
-        assert clears == f"string clears {clearance:+.0f} mm, {low:+.0f} to {high:+.0f}".replace("-", "−")
+        assert head == "Worst: undergauge, under bit", "before the washout, which is larger"
+        assert digits == f"−{-1000 * worst.measure:.0f} mm, {worst.confidence_text} sure"
+        assert more == f"{worst.start:.1f}–{worst.stop:.1f} m, {end + 2.5 - worst.stop:.0f} m above bit"
+        _, _, more = string_at(end + 7.0, "Stabiliser clears")
+        screen.until("document.getElementById('rigStringMore').textContent.includes('measured')")
+        assert screen.evaluate(f"({cell})('rigString')")[2].endswith("measured 4.0 m above it")
+        head, digits, more = string_at(2018.0 + 3.5, "Stabiliser clears")
+        screen.until("document.getElementById('rigString').textContent === '+8 mm'")
+        assert screen.evaluate(f"({cell})('rigBit')")[2] == f"hole depth {end + 2.5:.1f} m"
+        viewer.scene.update_state(zones=(), zones_to=end - 6)
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('looking')")
+        assert screen.evaluate(f"({cell})('rigWorst')")[2] == f"none to {end - 6:.1f} m"
         _, age, word = screen.evaluate(f"({cell})('rigAge')")
         assert re.fullmatch(r"\d s", age)
         assert word == "live"

@@ -4,14 +4,22 @@
 
 import { recall, remember } from './memory.js';
 import { byId } from './dom.js';
-import { showSigned, showSpan } from './units.js';
-import { bySeverity, IN_WORDS, sureText } from './zones.js';
+import { showDepth, showSigned, showSpan } from './units.js';
+import { byConsequence, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
+export const ABOUT_HOLE = /^(tight|washout)/; // alarms of the feed that are not about data
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0];
+// Return where the hole is tight or washed out that an alarm is about, in few words; '' for an alarm about data.
+/** @param {string} alarm @param {Units} units */
+function placeOf(alarm, units) {
+  if (!ABOUT_HOLE.test(alarm)) return '';
+  const [, from, to = from] = /from ([\d.]+) to ([\d.]+) m/.exec(alarm) ?? /at ([\d.]+) m/.exec(alarm) ?? [];
+  return from ? `, ${from === to ? showDepth(Number(from), units, 1) : showSpan(Number(from), Number(to), units)}` : '';
+}
 // Return at most `LINES` texts; the last text says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
@@ -86,11 +94,11 @@ export class Alarms {
   // other new zones. If `short` is true, the texts are short.
   /** @param {Units} units @param {boolean} short @returns {string[]} */
   texts(units, short) {
-    const [worst, ...others] = bySeverity(this.zones);
+    const [worst, ...others] = byConsequence(this.zones);
     const more = others.length ? ` and ${others.length} more` : '';
     const place = worst && showSpan(worst.start, worst.stop, units);
     const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}, ${sureText(worst)} sure`];
-    return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one)), ...zone];
+    return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) + placeOf(one, units) : one)), ...zone];
   }
 
   /** @param {View} view */
@@ -100,7 +108,7 @@ export class Alarms {
     const whole = rig && this.whole;
     byId('alarm').hidden = !texts.length;
     byId('alarmWhole').hidden = !whole;
-    byId('silence').textContent = rig && !whole ? 'A reads' : 'A silences';
+    byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (A)';
     lines('alarmText', rig ? few(this.texts(units, true)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }

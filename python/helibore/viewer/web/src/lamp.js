@@ -1,7 +1,7 @@
 // The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. It shows "late"
 // as long as the feed has an alarm about data, silenced or not, and "lost" as long as a source is not connected.
 
-import { shortOf } from './alarms.js';
+import { ABOUT_HOLE, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
@@ -37,7 +37,7 @@ export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
 function troubleOf({ alarms, lost }) {
   if (lost.length) return `${lost.join(', ')} not connected`;
-  const feed = alarms.feed.filter((one) => !/^(tight|washout)/.test(one)); // those are about the hole, not the data
+  const feed = alarms.feed.filter((one) => !ABOUT_HOLE.test(one));
   return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
 }
 

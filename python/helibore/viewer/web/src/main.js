@@ -23,7 +23,7 @@ import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { Renderer, seconds } from './renderer.js';
 import { Replay } from './replay.js';
-import { writeRig } from './rig.js';
+import { rigSection, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { NARROW, Selection } from './selection.js';
 import { fromTemplate } from './template.js';
@@ -70,6 +70,8 @@ export class App {
   zones = [];
   /** @type {Zone[] | null} */
   zonesBefore = null; // the zones of the previous state of the same wall
+  /** @type {number | null} */
+  zonesTo = null; // the end of the wall when these zones were found
   status = 'connecting';
   words = '';
   /** @type {Colours | null} */
@@ -184,7 +186,7 @@ export class App {
       this.view.keepLength();
     }
     this.view.tab = tab;
-    if (this.view.follow) this.view.followEnd(this.store);
+    if (this.view.follow) this.follow();
     this.ask();
     this.repaint();
   }
@@ -205,8 +207,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew
@@ -222,7 +224,7 @@ export class App {
     [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
     this.ended = ended;
     this.openSaved();
-    if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);
+    if (this.view.follow && this.store) this.follow();
     lamp(this);
     return this.redraw();
   }
@@ -250,11 +252,11 @@ export class App {
     const tile = store.apply(message);
     if (message.level === 0 && message.live) {
       const start = tile.index * level.tileSize + message.first;
-      this.glow.add(start, start + message.count, message.first + message.count <= filled, seconds());
+      if (!this.view.rig) this.glow.add(start, start + message.count, message.first + message.count <= filled, seconds());
       this.lastWrite = performance.now();
     }
     if (level.size !== before && message.level === 0) {
-      if (this.view.follow) this.view.followEnd(store, this.bit);
+      if (this.view.follow) this.follow();
       this.ask();
     }
     this.renderer.changed(tile);
@@ -305,6 +307,13 @@ export class App {
   /** @returns {number | null} */
   get bit() {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
+  }
+
+  // Move the section with the bit; in rig mode the section also has the worst place.
+  follow() {
+    const { view, store, bit } = this;
+    if (view.rig) view.show(...rigSection(this), store, false);
+    else view.followEnd(store, bit);
   }
 
   // The text of the list of zones if there is no zone. It is empty where the banner of a wall without a caliper says enough.

@@ -3,7 +3,7 @@
 
 import { looked, toAddress } from './address.js';
 import { drawCaliper } from './caliper.js';
-import { fitRange, quantityOf, valuesInView } from './color.js';
+import { fitRange, nearBit, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
@@ -119,7 +119,7 @@ export class Renderer {
   look() {
     const { app, rects } = this;
     const { store, view, path, selection, bit: bitDepth } = app;
-    const { quantity } = selection;
+    const quantity = view.rig ? nearBit(selection.quantity) : selection.quantity;
     const { top, bottom } = view;
     const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
     const tiles = turns / store.levels[0].rows;

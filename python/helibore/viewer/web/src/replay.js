@@ -67,7 +67,7 @@ export class Replay {
     app.store.limit(this.past.vertices);
     byId('moment').value = String(moment);
     byId('momentText').textContent = `as at ${showClock(moment)}`;
-    if (app.view.follow) app.view.followEnd(app.store, this.past.bitDepth);
+    if (app.view.follow) app.follow();
     app.repaint();
   }
 
@@ -96,7 +96,7 @@ export class Replay {
     this.past = null;
     this.app.store.limit(Infinity);
     this.app.repaint();
-    if (this.app.view.follow) this.app.view.followEnd(this.app.store, this.app.bit);
+    if (this.app.view.follow) this.app.follow();
     this.app.view.choose(this.app.view.pass === 'first' ? { pass: this.pass } : {});
   }
 }

@@ -84,7 +84,7 @@ export class Selection {
   /** @param {boolean} [on] */
   rig(on) {
     if (byId('rigOpen').hidden) return this.app.notice('Rig mode is for a well that is being drilled: helibore live has it.', 6);
-    this.view.toggleRig(RECENT * 1.15, on);
+    this.view.toggleRig(RECENT, on);
     if (this.app.store) this.follow(this.view.follow);
     writeRig(this.app);
     this.app.renderer.arrange();
@@ -94,16 +94,16 @@ export class Selection {
   /** @param {boolean} on */
   follow(on) {
     this.view.choose({ follow: on });
-    if (on) this.view.followEnd(this.app.store, this.app.bit);
+    if (on) this.app.follow();
   }
 
   /** @param {string} text */
   setLength(text) {
-    const { view, app: { store, renderer, bit } } = this;
+    const { view, app: { store, renderer } } = this;
     const [top, bottom] = store.span;
     if (text === 'all') view.show(top - (bottom - top) * 0.02, (bottom - top) * 1.04, store);
     else if (text) view.zoom((text.startsWith('1:') ? scaleLength(renderer.rects.image, Number(text.slice(2))) : Number(text)) / view.length, view.middle, store);
-    if (view.follow && text !== 'all') view.followEnd(store, bit);
+    if (view.follow && text !== 'all') this.app.follow();
     renderer.fit();
   }
 

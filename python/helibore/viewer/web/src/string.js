@@ -14,6 +14,10 @@ const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above 
 export function hung({ string, view, bit, store, curves }) {
   if (!string) return null;
   const bottom = view.string ?? bit ?? Math.min(store.span[1], view.bottom);
+  if (view.rig && string.above_bit) { // what rig mode writes
+    const { clearance, low, high, depth } = string.above_bit;
+    return { ...string, bottom, clearance, low: low ?? NaN, high: high ?? NaN, tightest: depth ?? NaN };
+  }
   const [clearance, low, high, above] = VALUES.map((name) => {
     const held = string.why ? null : curves.need(name);
     return held ? curveAt(held, bottom) : NaN;
@@ -31,7 +35,7 @@ export function clearanceText({ why, clearance, low, high }, units) {
   return `${clearance < 0 ? 'does not pass: ' : ''}${showSigned(clearance, units, digits)} (${sure})`;
 }
 
-// Return the clearance in a few words, for rig mode.
+// Return the clearance in a few words, for a narrow hole.
 /** @param {Hung} of @param {Units} units */
 export function shortText({ clearance, low, high }, units) {
   const [own, least, most] = [clearance, low, high].map((one) => showSigned(one, units, units === 'mm' ? 0 : 1));

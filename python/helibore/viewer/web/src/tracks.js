@@ -8,7 +8,7 @@ import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, OUTSIDE, pointer, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
-import { drawZones, letterZones, STRIP } from './zones.js';
+import { drawZones, letterZones, nameZones, STRIP } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 const APART_ACROSS = 12; // pixels between two values below the colours
@@ -42,14 +42,16 @@ export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // met
 // Draw measured depth over true depth at every tick, and the letters of the zones. Texts that would touch the cursor's tag, which
 // is drawn first, are left out.
 /** @param {Ink} ink @param {Look} look */
-export function drawAxisLabels(ink, { view, path, rects, zones }) {
+export function drawAxisLabels(ink, look) {
+  const { view, path, rects, zones } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
-  letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, [rect.top, rect.top + rect.height], palette);
+  if (view.rig) nameZones(ink, look);
+  else letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, [rect.top, rect.top + rect.height], palette);
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
-  label(ink, `MD ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, `${view.rig ? 'depth' : 'MD'} ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
+  if (path.trueDepth || !view.rig) label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
   const beside = rects.image.width && rects.image.left - end < 24; // whether the letters of the sides stand beside this
   if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
   if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
@@ -105,7 +107,7 @@ function bar(ink, look, left, width, palette) {
 
 /** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
 function legend(ink, { view, quantity, store: { basis }, rects: { image } }, left, palette) {
-  if (view.rig) return;
+  if (view.rig) return label(ink, quantity.length ? `${unitOf(quantity, view.units)} ${quantity.name.toLowerCase()}` : quantity.name, left, 52, { colour: palette.ink, font: SMALL });
   /** @type {[string, typeof DENSE][]} */
   const signs = [['no data', DENSE]];
   if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') signs.push(['interpolated', SPARSE]);
@@ -119,17 +121,20 @@ function legend(ink, { view, quantity, store: { basis }, rects: { image } }, lef
   }, left);
 }
 
+/** @type {Record<string, string>} */
+const SIDES = { U: 'up', D: 'down' }; // of rig mode
+
 // Name the sides of the hole above the image; where they are not known, the tool's own angles, and why.
 /** @param {Ink} ink @param {Look} look @param {boolean} known @param {Palette} palette */
 function letters(ink, { view, path, rects }, known, palette) {
   const { left, width } = rects.image;
   const { letters: sides, reference } = CUTS[view.cut];
   const edge = leftEdge(path, view.cut, view.middle).toolface;
-  const names = known ? sides : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
+  const names = known ? sides.map((side) => (view.rig && SIDES[side]) || side) : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
   names.forEach((name, i) => {
     const x = left + (i / 4) * width;
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
-    if (!known && i % 2 && width < 125) return; // no room for 90° and 270°
+    if (i % 2 && (known ? view.rig : width < 125)) return; // no room
     label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: known ? BOLD : SMALL });
   });
   if (known || view.rig) return;
@@ -169,7 +174,9 @@ export function drawOutside(ink, look) {
     const away = Math.min((to - from) / 2, 16);
     ink.font = BOLD;
     const text = fitting(ink, words, rects.image.width - 4);
-    if (rects.image.width && away > 9) label(ink, text, rects.image.left + rects.image.width / 2, edge ? to - away : from + away, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+    const y = edge ? to - away : from + away;
+    const onBit = look.bitDepth !== null && Math.abs(yOf(view, rects.axis, look.bitDepth) - 8 - y) < 14; // where the bit has its name
+    if (rects.image.width && away > 9 && !onBit) label(ink, text, rects.image.left + rects.image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
   }
 }
 

@@ -63,7 +63,8 @@ type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
 interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number } // toolface: axis of a breakout, side of a key seat
 // A string of rigid bodies, and where it hangs.
 type RigidBody = [diameter: number, length: number, position: number];
-interface RigidString { bodies: RigidBody[]; why: string }
+interface AboveBit { body: string; clearance: number; low: number | null; high: number | null; depth: number | null; at_most: boolean; short: number }
+interface RigidString { bodies: RigidBody[]; why: string; above_bit?: AboveBit | null }
 interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number }
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
@@ -115,7 +116,7 @@ interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: n
 interface State {
   channels?: number; ahead?: TightAhead | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
+  zones: Zone[]; zones_to?: number | null; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }

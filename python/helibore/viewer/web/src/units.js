@@ -16,7 +16,7 @@ export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
 export const showSigned = (metres, units, digits) => {
   if (!Number.isFinite(metres)) return '–';
   const text = showLength(Math.abs(metres), units, digits);
-  return `${metres < 0 ? '−' : '+'}${text}`;
+  return parseFloat(text) ? `${metres < 0 ? '−' : '+'}${text}` : text; // what rounds to nothing has no sign
 };
 
 /** @param {Units} units */

@@ -1,6 +1,6 @@
 // Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
 
-import { inkOn, label, SMALL_BOLD } from './layout.js';
+import { BOLD, inkOn, label, PALETTES, SMALL_BOLD, yOf } from './layout.js';
 import { edges } from './strokes.js';
 import { showSigned } from './units.js';
 
@@ -24,6 +24,16 @@ export const sentence = (zone) => `${zone.kind}, ${sureText(zone)} sure`;
 // Return the zones, worst first: by severity times the probability of their kind.
 /** @param {Zone[]} zones */
 export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity * b.confidence - a.severity * a.confidence || a.start - b.start);
+
+const STICKS = 10; // how much more hole that holds the string counts for a driller than hole that is wide
+
+// Return the zones in the order that counts on the rig: hole in which the string may stick before hole that is too wide.
+/** @param {Zone[]} zones */
+export function byConsequence(zones) {
+  /** @param {Zone} zone */
+  const weight = ({ kind, severity, confidence }) => severity * confidence * (kind === 'undergauge' || kind === 'key seat' ? STICKS : 1);
+  return [...zones].sort((a, b) => weight(b) - weight(a) || a.start - b.start);
+}
 
 // Return a test whether `depth` is the middle of a zone, where a jump to the zone puts the cursor.
 /** @param {number} depth @returns {(zone: Zone) => boolean} */
@@ -80,6 +90,16 @@ export function mark(ink, zone, left, top, width, height, palette) {
   if (isSure(zone)) return ink.fillRect(left, top, width, height);
   const thick = Math.min(2, width / 3);
   return edges(ink, { left: left + thick / 2, top: top + thick / 2, width: width - thick, height: Math.max(0, height - thick) }, palette.zones[zone.kind], thick);
+}
+
+// Name the zones on the image of rig mode, the worst first; they give way to other texts.
+/** @param {Ink} ink @param {Look} look */
+export function nameZones(ink, { view, zones, rects: { image } }) {
+  const palette = PALETTES[view.theme];
+  for (const { kind, start, stop, measure } of byConsequence(zones)) {
+    const y = yOf(view, image, (Math.max(start, view.top) + Math.min(stop, view.bottom)) / 2);
+    if (stop > view.top && start < view.bottom) label(ink, `${kind} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, image.left + image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
+  }
 }
 
 // Draw the letters of the strip beside the depths, if there is room; they give way to other texts.
