@@ -70,6 +70,8 @@ from helibore.wall.wall import Wall
 
 MOST_CARRYING = 4_000_000
 """Vertices that a wall may have only to carry images."""
+NEARLY_VERTICAL = 5.0
+"""Degrees: tools in holes that are inclined less mostly count toolfaces from north."""
 Stage = Callable[[str, str], AbstractContextManager[None]]
 """A function that takes a stage's name and a text on what it does, and returns the context in which it runs."""
 
@@ -660,6 +662,13 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
             yield "", sentence
         if label == "survey" and run.survey is not None:
             yield from _first_station(log, one.roles, run.survey, run.settings.path.head)
+            steepest = float(run.survey.inclination.max())
+            if run.assumed and run.reference == "high-side" and steepest < NEARLY_VERTICAL:
+                rule = (
+                    f"no reference is stated, so toolfaces count from the high side of a hole of {steepest:.2g} degrees"
+                )
+                rule += "; tools in such holes mostly count from north: path.reference=north, or high-side, states it"
+                yield "warning", rule
 
 
 def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:

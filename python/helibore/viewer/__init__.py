@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.color_limits import symmetric_limit
 from helibore.base.errors import InputError
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
 
 MOST_PLANNED = 500
 """Points of a planned path that a page gets."""
+OTHER_WELL = 10.0
+"""Metres between two paths at one depth from which they are of two wells."""
 __all__ = ["Attribute", "Viewer", "WellsViewer", "attributes_of", "view", "view_wells"]
 
 
@@ -257,7 +260,7 @@ def view(
     values: dict[str | Attribute, npt.ArrayLike] = dict(attributes_of(wall) if attributes is None else attributes)
     curves = list(curves)
     if beside:
-        others = [of_other(wall, name, other) for name, other in beside.items()]
+        others = [of_other(wall, path, name, other) for name, other in beside.items()]
         values |= {key: one for columns, _ in others for key, one in columns.items()}
         curves += [curve for _, own in others for curve in own]
         template = template or _side_by_side([str(next(iter(columns)).name) for columns, _ in others])
@@ -390,10 +393,13 @@ def view_wells(
     return viewer
 
 
-def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[dict[Attribute, npt.ArrayLike], list[ScalarCurve]]:
+def of_other(
+    wall: ViewedWall, path: Path | None, name: str, other: Wall
+) -> tuple[dict[Attribute, npt.ArrayLike], list[ScalarCurve]]:
     """Return values of ``other`` at the vertices of ``wall``, by attribute, and the curves C1 and C2 of ``other``.
 
     The first are its radii minus the radius of its bit, the second its radii minus those of ``wall``, both in metres.
+    The second are left out if ``other`` is of another well, by their paths.
     """
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
@@ -402,9 +408,22 @@ def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[dict[Attribute, 
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     radius = other.at(own.depth, own.toolface).radius
     values: dict[Attribute, npt.ArrayLike] = {attribute: radius - 0.5 * other.settings.bit_diameter}
-    values[Attribute(f"{name} less this", "m", color_map="difference")] = radius - own.radius
+    if not _lie_apart(path, other.path, own.depth):
+        values[Attribute(f"{name} less this", "m", color_map="difference")] = radius - own.radius
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
     return values, curves
+
+
+def _lie_apart(one: Path | None, other: Path | None, depths: Floats) -> bool:
+    """Return whether two paths are of two wells: at one of ``depths``, they are more than `OTHER_WELL` metres apart."""
+    if one is None or other is None or not depths.size:
+        return False
+    top = max(float(depths.min()), one.start_depth, other.start_depth)
+    bottom = min(float(depths.max()), one.stop_depth, other.stop_depth)
+    if top > bottom:
+        return False
+    shared = np.linspace(top, bottom, 50)
+    return bool((np.linalg.norm(one.position(shared) - other.position(shared), axis=1) > OTHER_WELL).any())
 
 
 def _side_by_side(names: list[str]) -> Template:

@@ -372,6 +372,25 @@ def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
     assert f"<!-- {printed}, clockwise looking downhole -->" in (tmp_path / "log.svg").read_text()
 
 
+@pytest.mark.parametrize(
+    ("inclination", "options", "warned"),
+    [(1.5, (), True), (6, (), False), (1.5, ("-s", "path.reference=north"), False),
+     (1.5, ("-s", "path.reference=high-side"), False)],
+)  # fmt: skip
+def test_the_high_side_of_a_hole_that_is_nearly_vertical_is_not_taken_in_silence(
+    tmp_path: Path, inclination: float, options: tuple[str, ...], warned: bool
+) -> None:
+    survey, table = tmp_path / "survey.csv", tmp_path / "log.csv"
+    names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
+    survey.write_text(f"depth_m,inclination_deg,azimuth_deg\n900,1,40\n1100,{inclination},40\n")
+    table.write_text(f"depth_m,{names}\n" + "".join(f"{1000 + row}{f',{row}' * 8}\n" for row in range(9)))
+    made = ("--gauge", "--bit-diameter", "8.5in", "--image", f"{table}:GR:edge", "--survey", survey, *options)
+    result = run_cli(*made, "-o", tmp_path / "log.svg", "--no-body", "--no-polar")
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.output.split())
+    assert ("the high side of a hole of 1.5 degrees" in words) == warned
+
+
 def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch, golden: Golden) -> None:
     import os
 

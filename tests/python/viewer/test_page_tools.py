@@ -592,6 +592,27 @@ def test_a_curtain_lays_the_image_beside_over_the_first_and_the_passes_over_each
         screen.close()
 
 
+def test_change_is_the_difference_to_the_wall_beside_and_else_what_was_measured_again(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    shown = "window.__wall.app.selection.quantity.id"
+    difference = hb.Attribute("earlier", "m", color_map="difference")
+    for attributes, expected in (({difference: np.full(20_000, 0.002)}, "earlier"), ({}, "change")):
+        with hb.view(wall, attributes=attributes) as viewer:
+            screen = Screen(browser, viewer.url, "#md=1012&sec=12", (1366, 768))
+            screen.page.select_option("#pass", "change")
+            screen.until(f"{shown} === '{expected}'")
+            if not attributes:
+                screen.settle()
+                once = screen.pixels("image")
+                viewer.update(wall.patch(64 * 100, 64 * 140, 0.01))
+                screen.until("window.__wall.app.store.vertex(6410)?.radius > 0.115")
+                screen.settle()
+                again = screen.pixels("image")
+                assert len({tuple(pixel) for row in once for pixel in row}) <= 8, "hatched: measured once"
+                assert not np.array_equal(once, again)
+            screen.close()
+
+
 def test_three_images_are_shown_in_turn(browser: Any, viewer: Any) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=12&quantity=over&beside=GR~RES", (1366, 768), drawn=False)
     screen.settle()

@@ -558,6 +558,18 @@ def test_the_page_is_small_on_the_wire_and_sent_again_only_if_it_changed() -> No
         assert sent <= 80_000
 
 
+@pytest.mark.parametrize(("east", "names"), [(3.0, ["Over bit B", "B less this"]), (30.0, ["Over bit B"])])
+def test_the_difference_to_another_well_is_not_offered(east: float, names: list[str]) -> None:
+    depth = np.arange(2000.0, 2010.0, 0.01)
+    survey = hb.Survey([1900.0, 2100.0], [20.0, 20.0], [40.0, 40.0])
+    walls = []
+    for head in ((0.0, 0.0, 0.0), (0.0, east, 0.0)):
+        walls.append(hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, 0.108 + 0 * depth), bit_diameter=0.216))
+        walls[-1].path = survey.path(head=head)
+    with hb.view(walls[0], path=walls[0].path, beside={"B": walls[1]}) as viewer:
+        assert [one.name for one in viewer.scene.shape.attributes] == names
+
+
 def test_other_walls_stand_beside_in_the_colours_of_the_first() -> None:
     depth = np.arange(2000.0, 2010.0, 0.01)
     walls = [

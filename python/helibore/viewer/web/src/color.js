@@ -8,7 +8,7 @@
 // section that is shown, from the values of this section; the range changes with the section.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
-import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
+import { FIRST, NEAREST, RADIUS, RESCANNED, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 /** @param {string} text */
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
@@ -98,7 +98,7 @@ export function valueAt(store, quantity, tile, at, pass = 'latest') {
     case Q_SUPPORT:
       return texels[t + STATE] & SUPPORT_MASK;
     default:
-      return texels[t + FIRST] ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
+      return texels[t + STATE] & RESCANNED ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
   }
 }
 

@@ -222,7 +222,7 @@ export function bindControls(app) {
   const on = (id, event, act) => byId(id).addEventListener(event, () => act(byId(id)));
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.choose({ [id]: value }));
   for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.choose({ [id]: Number(value) }));
-  on('pass', 'change', ({ value }) => value === 'change' && app.selection.setQuantity('change'));
+  on('pass', 'change', ({ value }) => value === 'change' && app.selection.showChange());
   on('sectionLength', 'change', ({ value }) => app.selection.setLength(value));
   on('goTo', 'change', ({ valueAsNumber }) => app.selection.goTo(valueAsNumber));
   on('follow', 'click', () => app.selection.follow(!view.follow));

@@ -117,6 +117,11 @@ export class Selection {
     view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one)), swapped); // the two images change places, with the widths that they were given
   }
 
+  // Show the difference to the earlier pass that the wall was built beside; without one, what later samples of the run changed.
+  showChange() {
+    this.setQuantity(this.quantities.find(({ mode, map }) => mode === Q_ATTRIBUTE && map === 'difference')?.id ?? 'change');
+  }
+
   /** @param {Colours} changes */
   setColours(changes) {
     Object.assign(this.quantity, changes, { chosen: true });

@@ -56,7 +56,7 @@ float value(int k) {
   uint r = firstPass ? t.y : t.x;
   if (mode == 2) return float(t.z) * nearestUnit;
   if (mode == 3) return float(t.w & 0xffu);
-  if (mode == 4) return t.y == 0u ? notANumber() : (float(t.x) - float(t.y)) * radiusUnit;
+  if (mode == 4) return (t.w & 0x100u) == 0u ? notANumber() : (float(t.x) - float(t.y)) * radiusUnit;
   if (r == 0u) return notANumber();
   return float(r) * radiusUnit - (mode == 1 ? bitRadius : 0.0);
 }
