@@ -582,9 +582,9 @@ void near_and_far() {
     settings.estimator = HB_NEAR_AND_FAR;
     settings.sigma = 1;
     std::int64_t wall = 0, count = expected.size();
-    REFUSED(hb_wall_create(&settings, &wall), "covariance = 0: must have 5, 8 or 11 values");
-    settings.covariance_count = 12;
-    REFUSED(hb_wall_create(&settings, &wall), "covariance_count = 12: must lie in 0 to 11");
+    REFUSED(hb_wall_create(&settings, &wall), "covariance = 0: must have 5, 8 or 11 values, or a turn as one more");
+    settings.covariance_count = 13;
+    REFUSED(hb_wall_create(&settings, &wall), "covariance_count = 13: must lie in 0 to 12");
     settings.covariance_count = static_cast<std::int32_t>(same.covariance.size());
     std::copy(same.covariance.begin(), same.covariance.end(), settings.covariance);
     CHECK(hb_wall_create(&settings, &wall) == HB_OK);

@@ -37,7 +37,7 @@ void every_instruction_set_finds_the_same() {
             return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 1e-12, level);
         };
         const std::vector<double> plain = fitted(InstructionSet::plain);
-        CHECK(plain.size() == 8 || plain.size() == 11);
+        CHECK(plain.size() >= 8 && plain.size() <= 12);
         CHECK(fitted(InstructionSet::automatic) == plain);
         for (const InstructionSet level : {InstructionSet::avx2, InstructionSet::avx512}) try {
                 CHECK(fitted(level) == plain);

@@ -8,9 +8,10 @@
 
 namespace helibore {
 
-// Returns Settings::covariance: radius, noise, and a short, a long and, if the samples show it, a fine term, to five
-// digits. `samples` are blocks of `block_size` samples each. The parameters maximise the mean over the blocks of the
-// restricted likelihood, with weak priors. The noise variance is at least `least_noise`, m^2.
+// Returns Settings::covariance: radius, noise, and a short, a long and, if the samples show it, a fine term, and the
+// turn of the shape along the hole, to five digits. `samples` are blocks of `block_size` samples each. The parameters
+// maximise the mean over the blocks of the restricted likelihood, with weak priors. The noise variance is at least
+// `least_noise`, m^2.
 //
 // Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
 std::vector<double> fit_covariance(const SampleColumns& samples, Index block_size, double radius, double least_noise,

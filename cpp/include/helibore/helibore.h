@@ -114,8 +114,8 @@ typedef struct hb_settings {
     int32_t threads;
     int32_t instruction_set;
     int32_t sigma;            /* 1: the wall keeps what hb_wall_sigma needs */
-    int32_t covariance_count; /* HB_NEAR_AND_FAR: how many values `covariance` has: 5, 8 or 11; else 0 */
-    double covariance[11];
+    int32_t covariance_count; /* HB_NEAR_AND_FAR: how many values `covariance` has; else 0 */
+    double covariance[12];
 } hb_settings;
 
 #define HB_MINIMUM_CURVATURE 0

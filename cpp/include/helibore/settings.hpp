@@ -37,9 +37,10 @@ struct Settings {
     double kriging_range = 0.0;  // metres in the metric of angular_scale; kriging: must be set
     double nugget = 0.1;         // kriging: noise variance divided by the variance of the shape, at least 1e-6
     // near_and_far: R, the noise variance of a sample, and one to three terms, each with its variance, length around
-    // and length along the hole; metres and square metres. The covariance of two radii is the sum over the terms of
-    // variance M(h), with M(h) = (1 + sqrt3 h) exp(-sqrt3 h), h = hypot(chord / around, depth difference / along) and
-    // chord = 2 R sin(toolface difference / 2).
+    // and length along the hole; metres and square metres. Then, if the shape turns along the hole, by how many degrees
+    // a metre. The covariance of two radii is the sum over the terms of variance M(h), with M(h) = (1 + sqrt3 h)
+    // exp(-sqrt3 h), h = hypot(chord / around, depth difference / along) and chord = 2 R sin(turned / 2), where turned
+    // = toolface difference - turn * depth difference.
     std::vector<double> covariance = {};
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally

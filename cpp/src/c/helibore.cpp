@@ -64,7 +64,7 @@ Enum choice(const char* name, std::int32_t value, Enum last) {
 Settings settings_of(const hb_settings* given) {
     const hb_settings s = taken("settings", given, to_c(Settings{}));
     require(s.covariance_count >= 0 && s.covariance_count <= std::ssize(s.covariance), "covariance_count",
-            Index{s.covariance_count}, "must lie in 0 to 11");
+            Index{s.covariance_count}, "must lie in 0 to 12");
     const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
     return {.bit_diameter = s.bit_diameter,
             .sectors = s.sectors,

@@ -143,7 +143,7 @@ const std::vector<std::uint16_t>& Chunk::thinned(const Cells& cells) const {
         std::vector<std::uint16_t> rows;
         std::vector<double> last(static_cast<std::size_t>(cells.around), -std::numeric_limits<double>::infinity());
         for (Index i = 0; i < count; ++i) {
-            double& row = last[static_cast<std::size_t>(cells.column(toolface()[i]))];
+            double& row = last[static_cast<std::size_t>(cells.column(depth()[i], toolface()[i]))];
             const double now = cells.row(depth()[i]);
             if (now == row) continue;
             row = now;

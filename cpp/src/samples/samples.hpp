@@ -19,6 +19,7 @@
 
 #include "helibore/types.hpp"
 #include "helibore/wall.hpp"
+#include "samples/helix.hpp"
 #include "search/kernel/kernel.hpp"
 
 namespace helibore {
@@ -63,10 +64,12 @@ using Levels = std::vector<Level>;
 struct Cells {
     double height;  // metres
     Index around;   // number of cells in a turn
+    double turn;    // degrees a metre: the columns turn so much along the hole
 
     double row(double depth) const { return std::floor(depth / height); }
-    Index column(double toolface) const {
-        return std::min(static_cast<Index>(toolface * (static_cast<double>(around) / 360.0)), around - 1);
+    Index column(double depth, double toolface) const {
+        const double at = turn == 0.0 ? toolface : wrap_toolface(toolface - turn * depth);
+        return std::min(static_cast<Index>(at * (static_cast<double>(around) / 360.0)), around - 1);
     }
 };
 

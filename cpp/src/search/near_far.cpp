@@ -32,7 +32,7 @@ Settings metric_of(const Settings& settings, std::size_t term, int neighbors) {
 }
 
 std::size_t long_term(const Settings& settings) {
-    return settings.covariance.size() > 5 ? 1 : 0;
+    return settings.covariance.size() > 6 ? 1 : 0;
 }
 
 struct Far {
@@ -68,6 +68,7 @@ NearFar::NearFar(const Settings& settings)
     rule_.radius = values[0];
     rule_.noise = values[1];
     rule_.terms = static_cast<int>(values.size() - 2) / 3;
+    rule_.turn = values.size() % 3 == 0 ? values.back() : 0.0;
     for (int t = 0; t < rule_.terms; ++t) {
         const double* term = values.data() + 2 + 3 * t;
         rule_.variance[t] = term[0];
@@ -76,6 +77,7 @@ NearFar::NearFar(const Settings& settings)
     }
     const double* term = values.data() + 2 + 3 * long_term(settings);
     stretch_ = term[2] / term[1];
+    cells_.turn = rule_.turn;
     cells_.height = share * term[2];
     cells_.around =
         static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (share * term[1])), 1.0, 4096.0));
@@ -104,7 +106,8 @@ void NearFar::gather_cells(const Samples& samples, double low, double high, Scra
             if (in_row > last) break;
             if (in_row != row) scratch.seen.assign(static_cast<std::size_t>(cells_.around), 0);
             row = in_row;
-            unsigned char& seen = scratch.seen[static_cast<std::size_t>(cells_.column(chunk.toolface()[at]))];
+            unsigned char& seen =
+                scratch.seen[static_cast<std::size_t>(cells_.column(chunk.depth()[at], chunk.toolface()[at]))];
             if (seen) continue;
             seen = 1;
             scratch.thinned.push_back({chunk.depth()[at], chunk.toolface()[at], chunk.radius()[at], rank + at});
@@ -131,8 +134,9 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
         for (std::size_t i = 0; i < scratch.thinned.size(); ++i) {
             const kernel::Candidate& c = scratch.thinned[i];
             const double along = std::max(std::abs(c.depth - g.middle) - half_height, 0.0);
-            const double turn = std::abs(c.toolface - g.center);
-            const double across = degree * std::max(std::min(turn, 360.0 - turn) - half_width, 0.0);
+            const double turned = c.toolface - g.center - rule_.turn * (c.depth - g.middle);
+            const double turn = std::abs(std::remainder(turned, 360.0));
+            const double across = degree * std::max(turn - half_width, 0.0);
             if (across * across + along * along > max_square_) continue;
             found.push_back({stretch_ * across * (stretch_ * across) + along * along, i});
         }

@@ -35,8 +35,23 @@ constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
-constexpr double enough = 0.003;    // nats a block; a smaller gain ends the search
+// A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole. It must
+// gain so much, in all and for each degree a metre, double the length along the hole, and be likelier than another
+// turn: arms that do not cross often leave two.
+constexpr double most_turn = 16.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0};
+constexpr std::size_t turns = 33, long_along = 5;  // index of the length along the hole of the long term
+constexpr double turn_gain = 0.3, turn_cost = 0.03, rival_gain = 0.3;  // nats a block
+constexpr double enough = 0.003;                                       // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
+
+// Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
+double rounded(double value) {
+    char text[32];
+    const char* end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 5).ptr;
+    double found = value;
+    std::from_chars(text, end, found);
+    return found;
+}
 
 struct Limits {
     Parameters low, high;
@@ -50,6 +65,7 @@ struct Place {
     Parameters at;
     std::size_t count;     // of parameters: few or most
     double value = never;  // log-likelihood with the prior, nats a block
+    double turn = 0.0;     // degrees a metre
 };
 
 class Fit {
@@ -60,12 +76,16 @@ class Fit {
   private:
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
     Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
+    Place near_turn(const Place& start, const Limits& limits);
+    Place with_turn(const Place& found, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
+    void turn_by(double turn);
 
     kernel::BlockLikelihood likelihood_;
     double radius_;
     std::size_t n_, size_, blocks_;
     std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
+    std::vector<double> toolface_;
     kernel::BlockRoom parts_;
     Parameters slope_;  // of the last evaluation with slopes
     Matrix curvature_;  // expected second derivatives with the other sign
@@ -78,20 +98,19 @@ Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, In
       size_((block_size + lanes - 1) / lanes * lanes),
       blocks_(samples.depth.size() / block_size) {
     for (std::vector<double>& column : columns_) column.resize(blocks_ * size_);
+    toolface_.resize(blocks_ * size_);
     for (std::size_t b = 0; b < blocks_; ++b) {
         double mean = 0.0;
         for (std::size_t i = 0; i < n_; ++i) mean += samples.radius[b * n_ + i];
         mean /= static_cast<double>(n_);
         for (std::size_t i = 0; i < n_; ++i) {
             const std::size_t from = b * n_ + i, to = b * size_ + i;
-            const auto half =
-                sine_cosine_of_radians(wrap_toolface(samples.toolface[from]) * (std::numbers::pi / 360.0));
-            columns_[0][to] = half.sine;
-            columns_[1][to] = half.cosine;
+            toolface_[to] = samples.toolface[from];
             columns_[2][to] = samples.depth[from];
             columns_[3][to] = samples.radius[from] - mean;
         }
     }
+    turn_by(0.0);
     const std::size_t square = size_ * size_;
     room_.resize((2 + 1 + most + 1) * square + (lanes + 3) * size_);
     double* next = room_.data();
@@ -101,6 +120,17 @@ Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, In
     parts_.inverses = take(size_);
     parts_.vectors = take(2 * size_);
     for (double*& part : parts_.parts) part = take(square);
+}
+
+// Sets the positions for a shape that turns along the hole.
+void Fit::turn_by(double turn) {
+    for (std::size_t b = 0; b < blocks_; ++b)
+        for (std::size_t i = b * size_; i < b * size_ + n_; ++i) {
+            const double turned = toolface_[i] - turn * (columns_[2][i] - columns_[2][b * size_]);
+            const auto half = sine_cosine_of_radians(wrap_toolface(turned) * (std::numbers::pi / 360.0));
+            columns_[0][i] = half.sine;
+            columns_[1][i] = half.cosine;
+        }
 }
 
 // Returns the log-likelihood with the prior, of every nth block; with slopes, also sets slope_ and curvature_.
@@ -214,9 +244,57 @@ Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, 
     return now;
 }
 
+// Returns the likeliest parameters and turn near a place, by half of the blocks.
+Place Fit::near_turn(const Place& start, const Limits& limits) {
+    turn_by(start.turn);
+    Place now = climb(start.at, few, limits, 2, 8);
+    now.turn = start.turn;
+    for (double step = 0.5; step > 0.05; step *= 0.5)
+        for (const double turn : {now.turn - step, now.turn + step}) {
+            turn_by(turn);
+            const double value = evaluate(now.at, few, 2, false);
+            if (value > now.value) now.value = value, now.turn = turn;
+        }
+    now.turn = rounded(now.turn);
+    return now;
+}
+
+// Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
+// whereto. The positions are then turned so.
+Place Fit::with_turn(const Place& found, const Limits& limits) {
+    std::array<Place, turns> tried;
+    for (std::size_t i = 0; i < turns; ++i) {
+        tried[i] = {found.at, few, never, static_cast<double>(i) - most_turn};
+        turn_by(tried[i].turn);
+        Place each = tried[i];
+        for (const double along : turned_along) {
+            each.at[long_along] = logarithm(along);
+            each.value = evaluate(each.at, few, 2, false);
+            if (each.value > tried[i].value) tried[i] = each;
+        }
+    }
+    Place best = tried[0], rival{found.at, few};
+    for (const Place& each : tried)
+        if (each.value > best.value) best = each;
+    for (const Place& each : tried)
+        if (std::abs(each.turn - best.turn) >= other_turn && each.value > rival.value) rival = each;
+    rival = near_turn(rival, limits);
+    best = near_turn(best, limits);
+    const bool certain = std::abs(best.value - rival.value) > rival_gain;
+    if (rival.value > best.value) best = rival;
+    turn_by(best.turn);
+    Place turned = climb(best.at, few, limits, 1, 20);
+    turned.turn = best.turn;
+    if (certain && turned.value > found.value + turn_gain + turn_cost * std::abs(turned.turn) &&
+        turned.at[long_along] > found.at[long_along] + logarithm(2.0))
+        return turned;
+    turn_by(0.0);
+    return found;
+}
+
 // Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
 Place Fit::with_fine(const Place& found, const Limits& limits) {
-    Place start{found.at, most};
+    Place start{found.at, most, never, found.turn};
     for (const double share : fine_shares)
         for (const double around : fine_around) {
             Parameters at = found.at;
@@ -226,10 +304,12 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
             at[few + 2] = logarithm(2.5 * around);
             at = limits.clipped(at);
             const double value = evaluate(at, most, 3, false);
-            if (value > start.value) start = {at, most, value};
+            if (value > start.value) start = {at, most, value, found.turn};
         }
     if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
-    return climb(start.at, most, limits, 1, 15);
+    Place fine = climb(start.at, most, limits, 1, 15);
+    fine.turn = found.turn;
+    return fine;
 }
 
 Place Fit::best(double least_noise) {
@@ -247,17 +327,8 @@ Place Fit::best(double least_noise) {
         const Place found = climb(limits.clipped(at), few, limits, 2, 8);
         if (found.value > start.value) start = found;
     }
-    const Place two = climb(start.at, few, limits, 1, 20), three = with_fine(two, limits);
+    const Place two = with_turn(climb(start.at, few, limits, 1, 20), limits), three = with_fine(two, limits);
     return three.value > two.value + fine_gain ? three : two;
-}
-
-// Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
-double rounded(double value) {
-    char text[32];
-    const char* end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 5).ptr;
-    double found = value;
-    std::from_chars(text, end, found);
-    return found;
 }
 
 }  // namespace
@@ -278,6 +349,7 @@ std::vector<double> fit_covariance(const SampleColumns& samples, Index block_siz
     std::vector<double> values{rounded(radius), rounded(exponential(best.at[noise]))};
     for (std::size_t p = 0; p < best.count; ++p)
         if (p != noise) values.push_back(rounded(exponential(best.at[p])));
+    if (best.turn != 0.0) values.push_back(best.turn);
     return values;
 }
 

@@ -27,8 +27,13 @@ void require_within(const char* name, Index value, Index least, Index most) {
 void require_covariance(const Settings& settings) {
     const std::vector<double>& values = settings.covariance;
     const std::size_t n = values.size();
-    if (n != 5 && n != 8 && n != 11) throw InputError("covariance", "must have 5, 8 or 11 values", std::to_string(n));
-    for (std::size_t i = 0; i < n; ++i) {
+    const bool turns = n > 0 && n % 3 == 0;  // the last value is then the turn
+    if (n < 5 || n > 12 || (n % 3 != 2 && !turns))
+        throw InputError("covariance", "must have 5, 8 or 11 values, or a turn as one more", std::to_string(n));
+    if (turns)
+        require(std::abs(values[n - 1]) <= 360.0, entry_name("covariance", static_cast<Index>(n) - 1), values[n - 1],
+                "must lie in -360 to 360 degrees a metre");
+    for (std::size_t i = 0; i < n - turns; ++i) {
         const bool square = i == 1 || (i >= 2 && i % 3 == 2);
         const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};
         require(values[i] >= least && values[i] <= most, entry_name("covariance", static_cast<Index>(i)), values[i],

@@ -24,7 +24,9 @@ from helibore.settings.declared import (
 DISTANCE = Rule("must be above 0", lambda value: value > 0)
 ANGLE = Rule("must be above 0 and at most 360", lambda value: 0 < value <= 360)
 FINEST_NUGGET = Rule("must be finite and at least 1e-6", lambda value: 1e-6 <= value < float("inf"))
-COVARIANCE = Rule("must have 5, 8 or 11 values", lambda values: len(values) in (5, 8, 11))
+COVARIANCE = Rule(
+    "must have 5, 8 or 11 values, or a turn as one more", lambda values: len(values) in (5, 6, 8, 9, 11, 12)
+)
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 
@@ -94,9 +96,10 @@ class Settings(Declared, group="wall"):
     ] = 0.1  # fmt: skip
     covariance: Annotated[tuple[float, ...] | None, COVARIANCE,
         "Covariance of the radii, for 'near-and-far'. A radius R (m), the noise variance of a sample (m^2), and for "
-        "each of one to three terms its variance (m^2), length around and length along the hole (m). The covariance of "
-        "two radii is the sum over the terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / "
-        "along)^2) and chord = 2 R sin(toolface difference / 2). None: not known.",
+        "each of one to three terms its variance (m^2), length around and length along the hole (m); then, if the "
+        "shape turns along the hole, by how many degrees a metre. The covariance of two radii is the sum over the "
+        "terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / along)^2) and chord = 2 R "
+        "sin(turned / 2), where turned = toolface difference - turn * depth difference. None: not known.",
     ] = None  # fmt: skip
     sigma: Annotated[bool,
         "Keep for each vertex the sums from which `Wall.sigma` is computed. `Wall.sigma` then need not estimate all "

@@ -136,6 +136,7 @@ def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noi
 def near_and_far(covariance: Covariance, settings: Settings) -> Settings:
     """Return the settings of kriging with near and far neighbours."""
     values = [covariance.radius, covariance.noise, *(value for term in covariance.terms for value in term)]
+    values += [covariance.turn] if covariance.turn else []
     reach = settings.max_distance
     if reach == Settings.max_distance:
         longest = max(term.along for term in covariance.terms)

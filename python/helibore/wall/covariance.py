@@ -2,10 +2,11 @@
 
     C(a, b) = sum over terms of  variance M(h),   h^2 = chord^2 / around^2 + (depth difference)^2 / along^2
     M(h) = (1 + sqrt3 h) exp(-sqrt3 h)    (Matern 3/2)
-    chord = 2 R sin(toolface difference / 2)      R: the median radius
+    chord = 2 R sin((toolface difference - turn * depth difference) / 2)      R: the median radius
 
 The chord is a distance in space, so C is positive definite whatever the lengths are. One sample also has the noise
-variance. The first term is short, the second is long; a third, fine one is there only if the samples show it.
+variance. The first term is short, the second is long; a third, fine one is there only if the samples show it. So is the
+turn: a breakout, say, may turn along the hole.
 
 The parameters maximise the restricted likelihood of the samples; of more than 300, that of small blocks: each block has
 64 samples from a window of the hole; windows are short and long, so that the blocks show what single samples, arms and
@@ -53,10 +54,11 @@ class Covariance:
     terms: tuple[Term, ...]  # short, long and, in some holes, fine
     noise: float  # m^2: variance of the noise of one sample
     radius: float  # R, metres
+    turn: float = 0.0  # degrees a metre along the hole
 
     def at(self, turn: Floats, along: Floats) -> Floats:
         """Return the covariance of two radii, m^2; ``turn`` (deg) and ``along`` (m) are differences of position."""
-        chord = 2.0 * self.radius * np.sin(np.radians(turn) / 2.0)
+        chord = 2.0 * self.radius * np.sin(np.radians(turn - self.turn * along) / 2.0)
         total = np.zeros(np.broadcast(turn, along).shape)
         for term in self.terms:
             total += term.variance * _matern(np.sqrt((chord / term.around) ** 2 + (along / term.along) ** 2))
@@ -98,7 +100,8 @@ def fit_covariance(samples: Columns, step: float = 0.0) -> Covariance | None:
 def covariance_of(values: Sequence[float]) -> Covariance:
     """Return the covariance that the setting ``covariance`` of a wall holds."""
     radius, noise, *lengths = values
-    return Covariance(tuple(Term(*lengths[i : i + 3]) for i in range(0, len(lengths), 3)), noise, radius)
+    turn = lengths.pop() if len(lengths) % 3 else 0.0
+    return Covariance(tuple(Term(*lengths[i : i + 3]) for i in range(0, len(lengths), 3)), noise, radius, turn)
 
 
 def choose_blocks(depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator) -> Integers:

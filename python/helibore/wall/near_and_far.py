@@ -77,12 +77,14 @@ class Places:
         first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
         start, stop = np.searchsorted(depth, [first, last])
         rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)
-        column = np.minimum((toolface[rows] * (around / 360.0)).astype(np.int64), around - 1)
+        turned = (toolface[rows] - self.covariance.turn * depth[rows]) % 360.0
+        column = np.minimum((turned * (around / 360.0)).astype(np.int64), around - 1)
         cell = np.floor((depth[rows] - first) / height).astype(np.int64) * around + column
         of_cell = np.full(cell.max(initial=-1) + 1, -1)
         of_cell[cell[::-1]] = rows[::-1]  # the first row of a cell is assigned last
         rows = of_cell[of_cell >= 0]
-        along, across = depth[rows] - place[0], self.across(toolface[rows], place[1])
+        along = depth[rows] - place[0]
+        across = self.across((toolface[rows] - self.covariance.turn * along) % 360.0, place[1])
         rows, along, across = _within(self.max_distance, rows, along, across)
         square = (across / self._long.around) ** 2 + (along / self._long.along) ** 2
         return rows if rows.size <= self.count else rows[np.argpartition(square, self.count - 1)[: self.count]]

@@ -11,7 +11,7 @@ from reference import Floats, exactly
 import helibore as hb
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import Covariance, Term, choose_blocks, fit_covariance
-from helibore.wall.estimates import choose_left_out
+from helibore.wall.estimates import choose_left_out, in_depth_order
 from helibore.wall.near_and_far import Places
 from helibore.wall.tune import cross_validate
 
@@ -158,6 +158,35 @@ def test_a_covariance_is_found_again_in_samples_drawn_from_it() -> None:
     for turn, along in ((20.0, 0.0), (0.0, 0.1), (60.0, 0.5)):
         expected = float(truth.variance - truth.at(np.array(turn), np.array(along)))
         assert float(found.variance - found.at(np.array(turn), np.array(along))) == pytest.approx(expected, rel=0.5)
+
+
+def six_arms(turn: float, rate: float) -> hb.Caliper:
+    """Two passes of six arms in a breakout that turns; the arms turn, too."""
+    depth = np.tile(np.arange(0.0, 20.0, 0.05), 12)
+    toolface = np.repeat([0, 60, 120, 180, 240, 300, 20, 80, 140, 200, 260, 320], 400) + rate * depth
+    away = (toolface - 40.0 - turn * depth + 90.0) % 180.0 - 90.0
+    noise = np.random.default_rng(4).normal(0.0, 3e-4, depth.size)
+    return hb.Caliper(depth, toolface % 360.0, 0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) + noise)
+
+
+@pytest.mark.parametrize(("turn", "rate"), [(0.0, 3.0), (8.0, 3.0), (-5.4, 0.0), (13.7, -7.0)])
+def test_the_turn_of_a_breakout_along_the_hole_is_found(turn: float, rate: float) -> None:
+    found = fit_covariance(in_depth_order(six_arms(turn, rate)))
+    assert found is not None
+    assert found.turn == pytest.approx(turn, abs=0.3)
+    assert found.turn == 0.0 or found.terms[1].along > 10.0
+
+
+def test_arms_that_leave_two_turns_possible_find_none() -> None:
+    """Four arms at right angles cannot show to which side a breakout turns that looks the same after half a turn."""
+    depth = np.tile(np.arange(0.0, 20.0, 0.05), 4)
+    toolface = np.repeat([0.0, 90.0, 180.0, 270.0], 400)
+    away = (toolface - 45.0 - 8.0 * depth + 90.0) % 180.0 - 90.0
+    noise = np.random.default_rng(4).normal(0.0, 3e-4, depth.size)
+    radius = 0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) + noise
+    found = fit_covariance(in_depth_order(hb.Caliper(depth, toolface, radius)))
+    assert found is not None
+    assert found.turn == 0.0
 
 
 def test_blocks_hold_samples_of_their_window() -> None:

@@ -14,6 +14,7 @@ BIT = 0.216
 TWO = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5)
 THREE = (0.11, 1e-6, 1e-6, 0.2, 0.1, 4e-6, 0.05, 0.3, 1e-6, 0.01, 0.02)
 ONE = (0.1, 1e-8, 4e-6, 0.08, 0.2)
+TURNING = (*TWO, 12.5)
 
 
 def near_and_far(columns: tuple[Floats, ...], **settings: Any) -> hb.Wall:
@@ -25,12 +26,12 @@ def arcs(toolface: Floats, at: Floats, radius: float) -> Floats:
     return np.asarray(np.radians(np.abs((toolface - at + 180.0) % 360.0 - 180.0)) * radius)
 
 
-def thinned(depth: Floats, toolface: Floats, radius: float, around: float, along: float) -> list[int]:
+def thinned(depth: Floats, toolface: Floats, radius: float, around: float, along: float, turn: float) -> list[int]:
     """The first sample of each cell, sample by sample."""
     columns = int(np.ceil(2.0 * np.pi * radius / (0.35 * around)))
     seen: set[tuple[int, int]] = set()
     first = []
-    for row, (at, angle) in enumerate(zip(depth, toolface, strict=True)):
+    for row, (at, angle) in enumerate(zip(depth, (toolface - turn * depth) % 360.0, strict=True)):
         cell = int(np.floor(at / (0.35 * along))), min(int(angle * (columns / 360.0)), columns - 1)
         if cell not in seen:
             seen.add(cell)
@@ -44,11 +45,12 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
     settings = wall.settings
     assert settings.covariance is not None
     at, noise, *values = settings.covariance
+    turns = values.pop() if len(values) % 3 else 0.0
     terms = [tuple(values[i : i + 3]) for i in range(0, len(values), 3)]
     limit = settings.max_distance or np.inf
 
     def covariance(turn: Floats, along: Floats) -> Floats:
-        chord = 2.0 * at * np.sin(np.radians(turn) / 2.0)
+        chord = 2.0 * at * np.sin(np.radians(turn - turns * along) / 2.0)
         a = [np.sqrt(3.0 * ((chord / around) ** 2 + (along / length) ** 2)) for _, around, length in terms]
         return np.asarray(sum(term[0] * (1.0 + x) * np.exp(-x) for term, x in zip(terms, a, strict=True)))
 
@@ -67,7 +69,7 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
         return np.clip(weights[:n] @ radius[near], low - half, low + 3.0 * half), variance, n
 
     long = terms[min(1, len(terms) - 1)]
-    far = np.isin(np.arange(depth.size), thinned(depth, toolface, at, *long[1:]))
+    far = np.isin(np.arange(depth.size), thinned(depth, toolface, at, *long[1:], turns))
     near = (settings.neighbors + 1) // 2
     places = np.column_stack([wall.depth, wall.toolface])
     assert len(places) % 8 == 0
@@ -85,7 +87,8 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
             for term in (terms[0], long):
                 rows |= nearest(*away, term, np.full(depth.size, True), near)
         center = group[0, 1] + 3.5 * 360.0 / settings.sectors
-        across = np.maximum(arcs(toolface, center, at) - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
+        turned = toolface - turns * (depth - group[:, 0].mean())
+        across = np.maximum(arcs(turned, center, at) - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
         along = np.maximum(np.abs(depth - group[:, 0].mean()) - np.ptp(group[:, 0]) / 2, 0.0)
         rows |= nearest(across, along, long, far, settings.neighbors)
         found += [kriged(sorted(rows), place, angle) for place, angle in group]
@@ -99,6 +102,8 @@ CASES: list[dict[str, Any]] = [
     {"shape": "broken", "n": 120, "length": 30.0, "max_distance": 0.3, "neighbors": 12},
     {"shape": "washed", "n": 60, "length": 12.0, "max_distance": None},
     {"shape": "washed", "n": 400, "length": 4.0, "neighbors": 1, "max_distance": 5.0},
+    {"shape": "spiral", "n": 900, "length": 30.0, "covariance": TURNING, "max_distance": 10.0},
+    {"shape": "oval", "n": 300, "length": 5.0, "covariance": (*ONE, -300.0)},
 ]
 
 
@@ -117,6 +122,7 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
+SPLITS += [{"covariance": TURNING, "max_distance": 3.0}]
 
 
 @pytest.mark.parametrize("settings", SPLITS, ids=str)
@@ -203,12 +209,13 @@ def test_values_carried_with_the_samples_are_kriged_like_the_radius() -> None:
 
 
 BAD = [
-    ({"covariance": (0.1, 1e-7)}, "covariance = [0.1, 1e-07]: must have 5, 8 or 11 values"),
+    ({"covariance": (0.1, 1e-7)}, "covariance = [0.1, 1e-07]: must have 5, 8 or 11 values, or a turn as one more"),
     ({"covariance": (0.1, 1e-7, 1e-6, 0.0, 0.1)}, "covariance[3] = 0: must lie in 0.0001 to 1000000"),
     ({"covariance": (0.1, np.nan, 1e-6, 0.1, 0.1)}, "covariance[1] = nan: must lie in 1e-14 to 100"),
+    ({"covariance": (*ONE, -400.0)}, "covariance[5] = -400: must lie in -360 to 360 degrees a metre"),
     ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),
     ({"covariance": ONE, "window": 5}, "window = 5: must not be given with near-and-far"),
-    ({}, "covariance = 0: must have 5, 8 or 11 values"),
+    ({}, "covariance = 0: must have 5, 8 or 11 values, or a turn as one more"),
 ]
 
 

@@ -85,6 +85,7 @@ struct CovarianceRule {
     double around[max_terms];  // 3 (2 R / around)^2: of the squared sine of half the toolface difference
     double along[max_terms];   // 3 / along^2
     double noise, radius;      // radius: R
+    double turn;               // degrees a metre: the shape turns so much along the hole
 };
 
 // Columns of list_capacity + 1 values; `across` and `along` have 16 more, which may be read. Positions from count on,

@@ -2,8 +2,9 @@
 //
 //     covariance = sum over terms of  v (1 + a) exp(-a),   a^2 = 3 ((2 R sin(turn / 2) / around)^2 + (depth / along)^2)
 //
-// A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group:
-// the sine of half the difference of two toolfaces is then s1 c2 - c1 s2. The solution is that of kriging.hpp, with one
+// A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group;
+// the toolface also less what the shape turns from there. The sine of half the difference of two toolfaces is then
+// s1 c2 - c1 s2. The solution is that of kriging.hpp, with one
 // matrix for all vertices: a pack holds eight columns of it, or the covariances of a neighbour with the eight vertices.
 #pragma once
 
@@ -75,11 +76,10 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const Candidate*
     double sine[max_shared], cosine[max_shared], along[max_shared];
     const P center(g.center), middle(g.middle);
     const auto place = [&](P depth, P toolface, P& s, P& c, P& z) {
-        P turn = toolface - center;
-        turn = P::blend(P::less(P(180.0), turn), turn - P(360.0), turn);
-        turn = P::blend(P::less(turn, P(-180.0)), turn + P(360.0), turn);
-        sine_cosine(turn * P(0.5 * metres_a_degree), s, c);
         z = depth - middle;
+        const P turn = toolface - center - P(rule.turn) * z, round(0x1.8p52);
+        const P whole = (turn * P(1.0 / 360.0) + round) - round;
+        sine_cosine((turn - P(360.0) * whole) * P(0.5 * metres_a_degree), s, c);
     };
     for (int i = 0; i < size; i += lanes) {
         P depth, toolface, radius, s, c, z;
