@@ -1,6 +1,6 @@
 // Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
 
-import { BOLD, inkOn, label, PALETTES, SMALL_BOLD, yOf } from './layout.js';
+import { BOLD, fitting, inkOn, label, PALETTES, SMALL_BOLD, yOf } from './layout.js';
 import { edges } from './strokes.js';
 import { showSigned } from './units.js';
 
@@ -98,7 +98,9 @@ export function nameZones(ink, { view, zones, rects: { image } }) {
   const palette = PALETTES[view.theme];
   for (const { kind, start, stop, measure } of byConsequence(zones)) {
     const y = yOf(view, image, (Math.max(start, view.top) + Math.min(stop, view.bottom)) / 2);
-    if (stop > view.top && start < view.bottom) label(ink, `${kind} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, image.left + image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
+    const size = showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0];
+    ink.font = BOLD;
+    if (stop > view.top && start < view.bottom) label(ink, fitting(ink, [`${kind} ${size}`, size], image.width), image.left + image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
   }
 }
 
