@@ -101,7 +101,7 @@ def logs(**options: Any) -> None:
     (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
     definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
-    from helibore.files.dip_writing import ENDINGS, save_dips
+    from helibore.files.dip_writing import ENDINGS, north_text, save_dips
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.difference_columns import difference_columns
     from helibore.logs.image_means import image_means
@@ -168,11 +168,14 @@ def logs(**options: Any) -> None:
         work.append((zones_file, measured.zones.table()))
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
     intervals = interval_table(wall._state(), wall.intervals, measured.found) if wall.intervals else None
+    dip_lines: Lines = []
     with terminal.stage("save", f"Writing {output.name}"):
         if by_interval and intervals:
             intervals.save(by_interval, options["unit"])
         if dips and wall.path is not None:
             written = save_dips(wall.picks, wall.path, dips, header["well"])
+            planes = f"{written} planes with a true dip, of {len(wall.picks)} picks"
+            dip_lines.append(("dips", f"{planes}; azimuths from {north_text(wall.path)}"))
         for file, table in work:
             save_table(in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])
@@ -185,7 +188,7 @@ def logs(**options: Any) -> None:
         *annulus_lines(measured.turns.annulus(size) for size in options["casing"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
-        *([("dips", f"{written} planes with a true dip, of {len(wall.picks)} picks")] if dips else []),
+        *dip_lines,
         *saved,
         ("time", terminal.times()),
     ])  # fmt: skip

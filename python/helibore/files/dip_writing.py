@@ -68,6 +68,11 @@ def save_dips(picks: Iterable[Pick], path: Path, filename: str | os.PathLike[str
     return len(rows)
 
 
+def north_text(path: Path) -> str:
+    """Return as text which north the azimuths of a path count from."""
+    return f"{path.survey.north} north" if path.survey.north else "a north that the survey does not state"
+
+
 def _between_commas(rows: Iterable[tuple[str, ...]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -76,11 +81,10 @@ def _between_commas(rows: Iterable[tuple[str, ...]]) -> str:
 
 
 def _between_blanks(rows: Iterable[tuple[str, ...]], path: Path, well: str) -> str:
-    north = path.survey.north or "the"
     lines = [
         "# TRUE DIPS FROM HELIBORE",
         f"# WELL NAME: {' '.join(well.split())}",
-        f"# MD IN METRES; ANGLES IN DEGREES; AZIMUTHS FROM {north.upper()} NORTH; MISSING: {NULL:g}",
+        f"# MD IN METRES; ANGLES IN DEGREES; AZIMUTHS FROM {north_text(path).upper()}; MISSING: {NULL:g}",
         f"# {' '.join(NAMES)}",
     ]
     lines += [" ".join(["_".join(text.split()) or "-" for text in row]) for row in rows]

@@ -96,7 +96,7 @@ def survey_text(content: Content) -> str:
     """Return as text the survey file that the path comes from, and which north its azimuths count from, if known."""
     noted = content.wall.made_from.get("survey")
     survey = noted if isinstance(noted, dict) else {}
-    north = f"azimuths from {survey['north']} north" if survey.get("north") else "north as in the survey"
+    north = f"azimuths from {survey['north']} north" if survey.get("north") else "north not stated"
     north += "".join(f", {name} {survey[name]:+g} deg" for name in ("declination", "convergence") if name in survey)
     return f"{survey['name']}: {north}" if survey.get("name") else north
 

@@ -328,7 +328,7 @@ def test_an_average_caliper_of_another_interval_or_without_values_is_named(
 
 @pytest.mark.parametrize(
     ("azimuth", "said"),
-    [("azimuth_deg", "north as in the survey"), ("azimuth grid north_deg", "azimuths from grid north")],
+    [("azimuth_deg", "north not stated"), ("azimuth grid north_deg", "azimuths from grid north")],
 )
 def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: Path, azimuth: str, said: str) -> None:
     survey = tmp_path / "survey.csv"
