@@ -20,6 +20,17 @@ def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
     return [each.name for each in log.sets if each.name in chosen]
 
 
+def sets_of_calipers(log: LogFile, texts: Sequence[str]) -> list[Any]:
+    """Return what `set_names` returns; without ``--set``, the only set with a depth and radii or arms, if one is."""
+    from helibore.channels.roles import WALL, guess
+
+    if texts or len(log.sets) < 2:
+        return set_names(log, texts)
+    roles = [guess(each) for each in log.sets]
+    able = [each.set_name for each in roles if each.one("depth") and each.all(*WALL)]
+    return able if len(able) == 1 else [None]
+
+
 def _sets_of(log: LogFile, text: str) -> set[str]:
     """Return the names of the sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
     names = [each.name for each in log.sets]

@@ -26,7 +26,7 @@ from helibore.base.units import size_text
 from helibore.cli.declared_options import option_of, options_of, stated
 from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
-from helibore.cli.set_names import set_names
+from helibore.cli.set_names import set_names, sets_of_calipers
 from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.interval_settings import IntervalInput
@@ -456,10 +456,11 @@ def _source(options: dict[str, Any], files: OpenFiles) -> dict[str, Any]:
     if options["average"] is not None:
         return {"average": _average(files, options)}
     maps = options["maps"] or (None,)
+    names_of = set_names if options["maps"] else sets_of_calipers
     calipers = (
         Input(file, set=name, map=maps[number % len(maps)])
         for number, file in enumerate(options["source"])
-        for name in set_names(files.log(file), options["sets"])
+        for name in names_of(files.log(file), options["sets"])
     )
     return {"caliper": tuple(calipers)}
 

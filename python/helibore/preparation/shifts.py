@@ -298,13 +298,15 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
         return replace(result, reason=f"no clear match, since {by} (logarithm of the likelihood)")
     if repeats > _REPEATED:
         return replace(result, reason=f"no clear match, since the hole repeats itself (correlation {repeats:.2f})")
+    best = f"of all constant shifts, {GRID[int(np.argmax(path.fits.sum(axis=0)))]:+.2f} m fits best"
+    best = "" if path.base.any() else f"; {best}"
     if known.sum() < 0.5 * inside.sum():
         part = f"its shift is known to {APART:g} m in {100 * known.sum() / max(inside.sum(), 1):.0f} % of its rows"
-        return replace(result, reason=f"no clear match: {part}")
+        return replace(result, reason=f"no clear match: {part}{best}")
     sigma = float(np.median(path.sigma[inside]))
     if path.wander >= RESTLESS and sigma > _VAGUE:
         rule = f"it moves to and fro, and its shift is known to {sigma:.3f} m only (median), not to {_VAGUE:g} m"
-        return replace(result, reason=f"no clear match: {rule}")
+        return replace(result, reason=f"no clear match: {rule}{best}")
     shift = np.interp(rows.depth, rows.depth[known], path.shift[known])
     beyond = np.abs(shift - path.shift)
     deviation = np.where(known, path.sigma, np.hypot(path.sigma, beyond))

@@ -96,6 +96,16 @@ def test_sets_are_chosen_by_name_number_or_columns_and_are_passes(sets: tuple[st
     assert result.output.count("CALX is diameter") == 1, "the roles of several sets are printed once"
 
 
+def test_the_only_set_with_arms_is_read_and_of_several_one_must_be_named(passes: Path) -> None:
+    sets = json.loads(passes.read_text())
+    for held, ends in (([sets[2], sets[3]], 0), ([sets[0], sets[3]], 2), ([sets[2], sets[2]], 2)):
+        passes.write_text(json.dumps(held))
+        result = run("reconstruct", "p.json", *COLUMNS, "-o", "w.ply")
+        assert result.exit_code == ends, result.output
+        assert ("set 'pass 3', 300 rows" in result.output) == (ends == 0)
+        assert ("holds 2 sets" in result.stderr) == (ends == 2)
+
+
 @pytest.mark.parametrize(
     "sets",
     [
