@@ -16,7 +16,7 @@ from helibore.viewer.page_files import page
 PROJECT = (
     f'cmake_minimum_required(VERSION 3.25)\nproject(page LANGUAGES NONE)\nadd_subdirectory("{WEB.as_posix()}" web)\n'
 )
-FILES = ["app.css", "app.js", "index.html", "more.js", "notebook.js"]
+FILES = ["app.css", "app.js", "index.html", "more.js", "notebook.js", "wells.html", "wells.js"]
 
 cmake = shutil.which("cmake")
 pytestmark = pytest.mark.skipif(cmake is None, reason="the page's build is not tried: cmake is not on the path")
