@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import json
 import multiprocessing
 import os
@@ -49,6 +50,27 @@ PAN = """(frames) => new Promise((done) => {
     return undefined;
   };
   step();
+})"""
+
+# Flies through the hole for `seconds`; each frame waits until its pixels are drawn. Returns the frames a second, the
+# seconds, the triangles of the last frame.
+FLY = """([camera, seconds]) => new Promise((done) => {
+  const { app } = window.__wall;
+  const { gl } = app.renderer.gpu;
+  const pixel = new Uint8Array(4);
+  let [frames, began] = [0, 0];
+  app.view.choose({ camera });
+  app.renderer.draw = () => {
+    Object.getPrototypeOf(app.renderer).draw.call(app.renderer);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    if (++frames === 5) began = performance.now(); // the first frames load what the view needs
+    if (frames <= 5 || performance.now() - began < 1000 * seconds) return;
+    delete app.renderer.draw;
+    document.getElementById('fly').click();
+    const spent = (performance.now() - began) / 1000;
+    done([(frames - 5) / spent, spent, app.renderer.gpu.stats.triangles]);
+  };
+  document.getElementById('fly').click();
 })"""
 
 # Resolves when the page has drawn a wall of `size` vertices or more and the GPU has finished.
@@ -136,6 +158,7 @@ def in_the_browser(quads: int, appends: int) -> None:
         say("page memory over an empty page", memory(browser) - empty, "MB", "250 MB at 1 M")
         measure_panning(page)
         measure_hover(page)
+        measure_flight(page, browser)
         visit_all(page, wall)
         say("page memory after a walk along the whole well", memory(browser) - empty, "MB")
         context.close()
@@ -160,6 +183,30 @@ def measure_panning(page: Any) -> None:
     times = page.evaluate(PAN, 200)
     say("own script of a frame while panning, p50", float(np.median(times)), "ms", "8 ms at 1 M")
     say("own script of a frame while panning, p95", float(np.percentile(times, 95)), "ms")
+
+
+def processor_seconds(root: int) -> float:
+    """Return the processor time that a process and all its descendants have used."""
+    total = 0
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit() and (int(entry.name) == root or root in ancestors(int(entry.name))):
+            with contextlib.suppress(OSError):
+                total += sum(map(int, (entry / "stat").read_text().rsplit(")", 1)[1].split()[11:13]))
+    return total / os.sysconf("SC_CLK_TCK")
+
+
+def measure_flight(page: Any, browser: int) -> None:
+    """Fly through sections of several lengths, and print the frames a second."""
+    middle = page.evaluate("(([a, b]) => (a + b) / 2)(window.__wall.app.store.span)")
+    for length in (10, 30, 100):
+        page.evaluate(f"(({{ view, store }}) => view.show({middle}, {length}, store))(window.__wall.app)")
+        time.sleep(1)
+        before = processor_seconds(browser)
+        rate, seconds, triangles = page.evaluate(FLY, ["down", 4])
+        say(f"flight, {length} m in view: frames a second", rate, "", "15 at 1 M")
+        spent = (processor_seconds(browser) - before) / (rate * seconds)
+        say(f"flight, {length} m in view: processor time of a frame", 1000 * spent, "ms", f"{triangles:,} triangles")
+    page.evaluate("window.__wall.app.view.choose({ camera: 'straight' })")
 
 
 def measure_hover(page: Any) -> None:

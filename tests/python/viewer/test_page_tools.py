@@ -103,6 +103,38 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     viewer.scene.change_picks(Picks.clear)
 
 
+def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
+    bed = hb.Pick(kind="bed", depth=1010.0, apparent_dip=0.0, toolface=0.0)
+    with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
+        viewer.scene.change_picks(lambda picks: picks.put(bed))
+        screen = Screen(browser, viewer.url, "#md=1010&sec=2", drawn=False)
+        screen.until("window.__wall.app.picking.kept.length")
+        screen.keyboard.press("d")
+        screen.settle()
+
+        def drag(start: float, stop: float) -> None:
+            screen.mouse.move(*place(screen, 90, start))
+            screen.mouse.down()
+            for depth in np.linspace(start, stop, 4):
+                screen.mouse.move(*place(screen, 92 if start != stop else 60, depth))
+            screen.mouse.up()
+            screen.settle()
+
+        screen.evaluate("window.__wall.app.picking.setClass('breakout')")
+        drag(1010.0, 1010.4)
+        assert [(pick.kind, pick.depth) for pick in viewer.scene.picks] == [("bed", 1010.0)]
+        screen.mouse.click(*place(screen, 90, 1010.0))
+        screen.settle()
+        drag(1010.0, 1010.4)
+        (pick,) = viewer.scene.picks
+        assert pick.depth == pytest.approx(1010.4, abs=0.02)
+        assert "bed at 1010.40 m: moved by 400" in screen.inner_text("#notice")
+        screen.keyboard.press("2")
+        screen.settle()
+        assert "was a bed" in screen.inner_text("#notice")
+        screen.close()
+
+
 def test_a_steep_plane_is_drawn_where_it_reaches_the_section_and_costs_nothing_where_it_does_not(browser: Any) -> None:
     steep = hb.Pick(kind="fracture", depth=1010.0, apparent_dip=85.0, toolface=90.0)  # reaches 1.2 m up and down
     with hb.view(MadeWall(30_000), path=curved_path()) as viewer:

@@ -9,6 +9,7 @@ import { planeDepth, wallPoint } from './dips.js';
 import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
+import { showAngle } from './units.js';
 
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
@@ -173,9 +174,9 @@ function ring(ink, { view, path, rects, store }, plane, colour, stroke, gpu) {
       ink.globalAlpha = 1;
     }
     stroke();
-    const highest = points.reduce((top, point) => (point && (!top || point[1] < top[1]) ? point : top), null);
-    const text = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${plane.azimuth.toFixed(0)}°` : `${plane.apparent.toFixed(0)}° apparent`;
-    if (highest && !outside) label(ink, text, highest[0], highest[1] + 14, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 0], [0, 16], [0, 32]], yields: true });
+    const text = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
+    const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
+    if (deepest && !outside) label(ink, text, ...deepest, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 0], [0, 16], [0, -16], [40, 0], [-40, 0]], yields: true });
   });
 }
 

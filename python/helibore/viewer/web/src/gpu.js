@@ -7,7 +7,7 @@ import { Camera } from './camera.js';
 import { Q_ATTRIBUTE, themed } from './color.js';
 import { pixelRatio, SOFTWARE } from './device.js';
 import { Context } from './gl.js';
-import { placeInside, WIDE } from './inside.js';
+import { eyeDepth, placeInside, WIDE } from './inside.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
@@ -59,7 +59,7 @@ export class Gpu {
     if (width !== this.width || height !== this.height) Object.assign(this, { width, height, ratio: 0 });
   }
 
-  // Give the canvas its size in pixels; a coarse picture has half of these pixels in each direction.
+  // Give the canvas its size in pixels; a coarse picture has a share of these pixels in each direction.
   /** @param {number} ratio */
   setRatio(ratio) {
     if (ratio === this.ratio) return;
@@ -68,10 +68,10 @@ export class Gpu {
   }
 
   // `look` is one frame's picture: store, path, view, quantity, pieces and rectangles; main.js makes it.
-  /** @param {Looks} look @param {boolean} [coarse] */
-  draw(look, coarse = false) {
+  /** @param {Looks} look @param {number} [share] of the pixels in each direction */
+  draw(look, share = 1) {
     if (this.gl.isContextLost()) return undefined;
-    this.setRatio(pixelRatio(this.canvas) * (coarse ? 0.5 : 1));
+    this.setRatio(pixelRatio(this.canvas) * share);
     this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
     this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
     for (const one of look.images) this.image(one);
@@ -195,8 +195,9 @@ export class Gpu {
     const { store, path, view } = look;
     const tube = view.tubeFactor(store);
     const inside = view.camera !== 'outside';
-    const pixel = look.wallRect.height / (2 * this.camera.tangent);
-    this.drawn = look.wallPieces.filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
+    const pixel = (look.wallRect.height * Math.min(1, this.ratio)) / (2 * this.camera.tangent);
+    const radius = store.bitRadius * tube;
+    this.drawn = (inside ? split(look.wallPieces, eyeDepth(look), radius) : look.wallPieces).filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
     if (program === 'pick') this.drawn = this.drawn.slice(0, MOST_PICKED);
     const projectionMatrix = this.camera.projection;
     this.drawn.forEach((piece, index) => { // the overview comes first in the list and lies under the wall
@@ -204,8 +205,8 @@ export class Gpu {
       const { level } = tile;
       const away = Math.max(this.distance(piece, look), 0.2);
       const strides = {
-        cols: pickStride(COL_STRIDES, ((2 * Math.PI * store.bitRadius * tube) / level.sectors / away) * pixel, level.sectors / 8),
-        rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel, level.rows / 4),
+        cols: pickStride(COL_STRIDES, ((2 * Math.PI * radius) / level.sectors / away) * pixel, level.sectors / 8),
+        rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel * (inside ? Math.min(1, radius / away) : 1), level.rows / 4), // from inside the wall is seen at a slant
       };
       const [a, b] = slanted(piece);
       this.context.programs[program].use({
@@ -365,6 +366,16 @@ const COLUMN_SHAPE = 3; // the exaggeration of the shape in the column, if the u
 export function columnScale({ store, view, wallRect }) {
   const perMetre = (BIT_SHARE * wallRect.width) / store.bitRadius;
   return { perMetre, times: (perMetre * view.length) / wallRect.height, shape: view.shape || COLUMN_SHAPE };
+}
+
+// Divide pieces where they are so many radii from the eye in the hole, so that what is far is drawn coarser.
+/** @param {Piece[]} pieces @param {number} eye @param {number} radius */
+function split(pieces, eye, radius) {
+  const places = [-24, -6, -1.5, 1.5, 3, 6, 12, 24, 48].map((radii) => eye + radii * radius);
+  return pieces.flatMap(({ tile, top, bottom }) => {
+    const ends = [top, ...places.filter((place) => place > top && place < bottom), bottom];
+    return ends.slice(1).map((end, i) => ({ tile, top: ends[i], bottom: end }));
+  });
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.

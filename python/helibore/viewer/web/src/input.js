@@ -51,7 +51,7 @@ export function bindTracks(app) {
   pull(app, x, y);
     const depth = app.store ? depthAt(app.view, app.renderer.rects.axis, y) : NaN;
     const string = app.renderer.straight && app.store && y > HEAD ? app.renderer.look() : null;
-    drag = { string: string && onString(string, x, depth) ? (string.string?.bottom ?? NaN) - depth : null, head, width: head ? app.renderer.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.renderer.rects.image.width, event.pointerType === 'touch'), x, y, top: app.view.top, moved: false, onMap: inside(app.renderer.rects.map, x, y), turn: app.renderer.straight && inside(app.renderer.rects.wall, x, y) ? app.view.turn : null };
+    drag = { string: string && onString(string, x, depth) ? (string.string?.bottom ?? NaN) - depth : null, head, width: head ? app.renderer.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.renderer.rects.image.width), x, y, top: app.view.top, moved: false, onMap: inside(app.renderer.rects.map, x, y), turn: app.renderer.straight && inside(app.renderer.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.renderer.map.depthAt(app.renderer.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {

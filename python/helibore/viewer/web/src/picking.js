@@ -225,13 +225,12 @@ export class Picking {
   }
 
   // Begin a drag on the image: it moves a pick, draws a sine or a box, or is not for picking (null). `handle` is how many
-  // degrees around the crest or the trough of a sine a drag changes its dip. A finger, which reaches far, moves only the
-  // selected pick.
-  /** @param {Aim} from @param {number} reach @param {number} [handle] @param {boolean} [finger] @returns {Drag | null} */
-  grab(from, reach, handle = 0, finger = false) {
+  // degrees around the crest or the trough of a sine a drag changes its dip. Only the selected pick is moved.
+  /** @param {Aim} from @param {number} reach @param {number} [handle] @returns {Drag | null} */
+  grab(from, reach, handle = 0) {
     if (this.points.length) return null;
     const pick = this.near(from, reach);
-    if (!pick || (finger && pick.key !== this.selected)) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
+    if (!pick || pick.key !== this.selected) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
     const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < Math.max(HANDLE, handle));
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
@@ -279,7 +278,14 @@ export class Picking {
     if (!made) return;
     if (made.kind === BREAKOUT && (made.opening < LEAST.opening || made.height < LEAST.height)) return this.cancel();
     this.dragged = null;
-    this.put(made);
+    const before = this.saved.get(made.key);
+    if (this.put(made) && before) this.report(before.depth === made.depth ? 'changed' : `moved by ${showLength(Math.abs(made.depth - before.depth), this.app.view.units)}`, made);
+  }
+
+  // Say what a gesture or a key did to a pick that was there before.
+  /** @param {string} what @param {WallPick} pick */
+  report(what, { kind, depth }) {
+    this.app.notice(`${kind} at ${showDepth(depth, this.app.view.units)}: ${what}. Ctrl Z takes it back.`, 6);
   }
 
   // End a drag without effect.
@@ -395,7 +401,7 @@ export class Picking {
       const [one, other] = kind === BREAKOUT ? ['plane', 'breakout'] : ['breakout', 'plane'];
       return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: press on it, or Esc.`, 10);
     }
-    if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT) this.put({ ...pick, kind });
+    if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}; Esc first to class only the next pick`, { ...pick, kind });
     this.kind = kind;
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();

@@ -30,9 +30,14 @@ import { showDepth, showLength } from './units.js';
 
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
+const AIM = 35; // milliseconds
 const MOVING = 200; // milliseconds: a picture moves if the next one follows within this and twice the time to draw it
 const START = ['Pick dips (D), then drag along a bed on the image. Help (?) has the steps.', 'Pick dips (D); Help (?) has the steps'];
 export const seconds = () => performance.now() / 1000;
+
+// Return the share of the pixels in each direction that a coarse picture has, in tenths: so many as are drawn in `AIM`.
+/** @param {number} cost */
+export const coarseness = (cost) => Math.min(0.6, Math.max(0.3, Math.round(10 * Math.sqrt(AIM / cost)) / 10));
 
 export class Renderer {
   frames = 0;
@@ -184,7 +189,7 @@ export class Renderer {
     this.paintedAt = began;
     clearTimeout(this.sharpening);
     this.sharpening = coarse ? setTimeout(() => this.sharpen(), MOVING + Math.min(gpu.cost, 1000)) : undefined;
-    gpu.draw(look, coarse);
+    gpu.draw(look, coarse ? coarseness(gpu.cost) : 1);
     if (!coarse) gpu.whenDrawn(() => (gpu.cost = performance.now() - began));
   }
 

@@ -162,7 +162,7 @@ void main() {
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
   vec3 out1 = cos(toolface) * high + sin(toolface) * right;
-  vec2 slant = clamp(slopes(at, R) * vec2(1.0, tube) * (lamp > 0.0 ? 2.0 : 1.0), -1.5, 1.5); // the lamp shows the texture of a wall, too
+  vec2 slant = clamp(slopes(at, R) * (lamp > 0.0 ? vec2(2.0) : vec2(1.0, tube)), -1.5, 1.5); // the lamp shows the texture of a wall as it is, however wide the hole is drawn
   mat3 turned = mat3(modelViewMatrix);
   outwards = turned * out1;
   normal = turned * (out1 - slant.x * (cos(toolface) * right - sin(toolface) * high) - slant.y * cross(high, right));
@@ -203,6 +203,15 @@ void main() {
   ivec2 screen = ivec2(gl_FragCoord.xy); // what is in doubt is seen through from outside: so many of eight pixels are left out
   if (lamp == 0.0 && float((screen.x * 3 + screen.y * 5) & 7) < 5.0 * unsure - 0.5) discard;
   float v = value(k);
+  float rowsHere = fwidth(grid.y);
+  float under = lamp > 0.0 && known(v) ? rowsHere : 0.0; // rows under one pixel, far along the hole: show their mean
+  float sum = v, count = 1.0;
+  for (int i = 1; i < min(int(under), 8); i++) {
+    int other = k + K * (i % 2 == 0 ? i / 2 : -i / 2 - 1);
+    float w = other < 0 || other >= K * rows ? notANumber() : value(other);
+    if (known(w)) { sum += w; count += 1.0; }
+  }
+  v = sum / count;
   vec3 plain = vec3(dark ? 0.24 : 0.80);
   vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, 0.6 * unsure);
   if (gap || between || !known(v)) { // stripes on the wall, dense where there is no data
