@@ -36,7 +36,7 @@ enum class Cause {
     disagreement,  // two columns that look in the same direction differ by more than 2.5 mm in ten rows or more
     closed,        // all columns stay within 2 mm of their least radius, 10 mm or more below their median and the bit
     ramp,          // the arms close before, or open after, a closed stretch
-    saturated,     // an arm stays at the largest radius to which it opens: five rows or more over half a metre
+    saturated,     // an arm reads the largest radius to which it opens, once in five rows or more over half a metre
     stuck,         // an arm does not move in a hundred rows or more while the others do
     burst,         // a spike: up to five rows of one arm that no row and no other arm confirms
     jump,          // a spike of all arms at once, over at most 5 cm

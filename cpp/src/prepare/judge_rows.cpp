@@ -154,7 +154,8 @@ void find_closed(const Columns& radii, std::span<const double> depth, const Prep
 }
 
 // The largest reading is a limit of the arm if readings accumulate there: at least five times as many as in the 2 mm
-// below. If more than half of the readings are there, it is no limit, because in a pipe most readings are equal.
+// below, and some of them in one run. If more than half of the readings are there, it is no limit, because in a pipe most
+// readings are equal. All readings at a limit are dropped, single ones too.
 void find_saturated(const Columns& radii, std::span<const double> depth, bool dropped,
                     std::vector<SuspectRows>& found) {
     for (std::size_t c = 0; c < radii.size(); ++c) {
@@ -175,9 +176,13 @@ void find_saturated(const Columns& radii, std::span<const double> depth, bool dr
                 ++below;
         }
         if (2 * top > known || top < limit_share * below) continue;
+        bool stays = false;
         each_run(radius.size(), is_top, [&](std::size_t first, std::size_t stop) {
-            if (stop - first >= limit_rows && std::abs(depth[stop - 1] - depth[first]) >= limit_length)
-                found.push_back({Cause::saturated, static_cast<Index>(c), range(first, stop), dropped, limit});
+            stays |= stop - first >= limit_rows && std::abs(depth[stop - 1] - depth[first]) >= limit_length;
+        });
+        if (!stays) continue;
+        each_run(radius.size(), is_top, [&](std::size_t first, std::size_t stop) {
+            found.push_back({Cause::saturated, static_cast<Index>(c), range(first, stop), dropped, limit});
         });
     }
 }

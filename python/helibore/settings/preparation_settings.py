@@ -34,8 +34,8 @@ class Preparation(Declared, group="preparation"):
     shallowest: Annotated[float | None, METRES, Option(), "Drop shallower samples."] = None
     deepest: Annotated[float | None, METRES, Option(), "Drop deeper samples."] = None
     saturated: Annotated[bool, Option(),
-        "Drop the flat tops of arms that cannot open farther. These are runs of 5 readings or more, over 0.5 m or "
-        "more, in which an arm is as wide open as it can be.",
+        "Drop the readings of arms that cannot open farther. A run of 5 readings or more, over 0.5 m or more, in which "
+        "an arm is as wide open as it can be, shows this limit.",
     ] = True  # fmt: skip
     drop_closed: Annotated[bool, Option(),
         "Drop the rows in which all arms stay closed, inside the bit. They stay at a radius 10 mm or more below the "

@@ -60,8 +60,8 @@ def saturated(values, depth, drop):
         if 2 * np.count_nonzero(top) <= np.count_nonzero(known) and np.count_nonzero(top) >= 5 * np.count_nonzero(
             below
         ):
-            for first, last in stretches(top, 5):
-                if abs(depth[last - 1] - depth[first]) >= 0.5:
+            if any(abs(depth[last - 1] - depth[first]) >= 0.5 for first, last in stretches(top, 5)):
+                for first, last in stretches(top, 1):
                     yield "saturated", arm, first, last, drop, limit, -1
 
 
