@@ -57,12 +57,11 @@ def saturated(values, depth, drop):
         limit = float(radius[known].max()) if known.any() else np.nan
         top = known & (radius >= limit - 1e-9)
         below = known & ~top & (radius > limit - 0.002)
-        if 2 * np.count_nonzero(top) <= np.count_nonzero(known) and np.count_nonzero(top) >= 5 * np.count_nonzero(
-            below
-        ):
-            if any(abs(depth[last - 1] - depth[first]) >= 0.5 for first, last in stretches(top, 5)):
-                for first, last in stretches(top, 1):
-                    yield "saturated", arm, first, last, drop, limit, -1
+        many, near, tops = (np.count_nonzero(each) for each in (known, below, top))
+        stays = any(abs(depth[last - 1] - depth[first]) >= 0.5 for first, last in stretches(top, 5))
+        if 2 * tops <= many and tops >= 5 * near and stays:
+            for first, last in stretches(top, 1):
+                yield "saturated", arm, first, last, drop, limit, -1
 
 
 def spikes(values, where, toolface, mountings, ways, threshold, drop):
