@@ -275,7 +275,7 @@ def overview(wall: Wall, **options: Any) -> Figure:
     length = content.paper_length()
     body = content.bodies[-1] if content.bodies else None
     right = MARGIN + tracks_width(content)
-    width = right + (TIES + OVERVIEW_BODY if body else 0.0) + MARGIN
+    width = max(NARROWEST, right + (TIES + OVERVIEW_BODY if body else 0.0) + MARGIN)  # header and foot need so much
     height = MARGIN + header_height(content) + HEAD + (max(length, LEAST) if body else length)
     height += GAP + footer_height(content) + MARGIN
     sheet = Sheet(width, height, content.drawing.dpi)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from plotted_wall import plotted_wall
 
 import helibore as hb
+from helibore import plot
 from helibore.base.colors import PICK_COLORS
 from helibore.logs.picks import PLANES, Pick
 from helibore.plot.content import Drawing, content_of
@@ -124,6 +126,16 @@ def test_a_template_says_which_tracks_there_are_and_how_wide(wall: hb.Wall) -> N
     assert [type(one) for one in content_of(wall, Drawing(template=Template(), polar=(), body=())).tracks] == [
         DepthTrack
     ]
+
+
+def test_header_and_foot_have_room_above_and_below_a_narrow_track(wall: hb.Wall) -> None:
+    template = as_template({"track": [{"kind": "image", "name": "Radius", "width": 60}]})
+    for draw in (plot.log, plot.overview):
+        figure = draw(wall, template=template, polar=(), body=(), dpi=60)
+        figure.draw_without_rendering()
+        texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+        assert len(texts) > 20
+        assert [text.get_text() for text in texts if text.get_window_extent().x1 > figure.bbox.x1] == []
 
 
 def test_a_template_leaves_out_a_curve_without_a_value_in_the_interval(wall: hb.Wall) -> None:
