@@ -154,8 +154,8 @@ void find_closed(const Columns& radii, std::span<const double> depth, const Prep
 }
 
 // The largest reading is a limit of the arm if readings accumulate there: at least five times as many as in the 2 mm
-// below, and some of them in one run. If more than half of the readings are there, it is no limit, because in a pipe most
-// readings are equal. All readings at a limit are dropped, single ones too.
+// below, and some of them in one run. If more than half of the readings are there, it is no limit, because in a pipe
+// most readings are equal. All readings at a limit are dropped, single ones too.
 void find_saturated(const Columns& radii, std::span<const double> depth, bool dropped,
                     std::vector<SuspectRows>& found) {
     for (std::size_t c = 0; c < radii.size(); ++c) {
