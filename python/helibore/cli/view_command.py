@@ -198,22 +198,21 @@ def where_saved(picks: Path | None) -> str:
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]:
-    """Return a function that draws the wall and its picks between two depths, as pages of a PDF or as one SVG picture.
+    """Return a function that draws the wall and its picks between two depths, as pages of a PDF.
 
     If several threads call this function, only one thread draws at a time.
     """
     lock = Lock()
 
-    def draw(start: float, stop: float, unit: str, scale: int | None, ending: str = ".pdf") -> bytes:
-        from helibore.plot import log, pages, rendered
+    def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
+        from helibore.plot import pages, rendered
 
         top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
         if stop <= top or start >= bottom:
             raise InputError(f"section {start:g} to {stop:g} m", f"the wall reaches from {top:g} to {bottom:g} m")
         with lock:
             options = {"start": max(start, top), "stop": min(stop, bottom), "unit": unit, "scale": scale, **drawing}
-            figures = pages(wall, **options) if ending == ".pdf" else [log(wall, **options, polar=(), body=())]
-            return rendered(figures, ending)
+            return rendered(pages(wall, **options), ".pdf")
 
     return draw
 

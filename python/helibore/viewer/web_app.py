@@ -10,7 +10,6 @@
     /api/pick  /api/picks.csv               put or delete a pick; read or add a table of picks
     /api/export.html                        a section and the page, as one file
     /api/print.pdf                          a section as a PDF, if the scene has `Scene.draw_pages`
-    /api/print.svg                          its tracks as a picture
     /api/section.glb                        a section as a mesh, if the scene has `Scene.write_mesh`
     /api/section.las                        its logs, if the scene has `Scene.write_logs`
     /healthz                                whether the server runs, and how many vertices and pages it has
@@ -61,7 +60,6 @@ from helibore.viewer.scene import Scene
 
 TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second; the first change is sent at once
 MOST_PAGES = 64
-PRINTS = {".pdf": "application/pdf", ".svg": "image/svg+xml"}
 MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
@@ -107,7 +105,6 @@ class WebApp:
             "history": self.history,
             "export.html": self.export,
             "print.pdf": self.print_section,
-            "print.svg": self.print_section,
             "section.glb": self.mesh_section,
             "section.las": self.logs_section,
         }
@@ -281,13 +278,11 @@ class WebApp:
         query, draw = request.query_params, self.scene.draw_pages
         if draw is None:
             return PlainTextResponse("this server cannot print\n", 404)
-        ending = request.url.path[-4:]
-        more = () if ending == ".pdf" else (ending,)
 
         def write(start: float, stop: float) -> bytes:
-            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query), *more)
+            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query))
 
-        return await self.drawn(write, query, PRINTS[ending], _file_name("log", query, ending[1:]))
+        return await self.drawn(write, query, "application/pdf", _file_name("log", query, "pdf"))
 
     async def mesh_section(self, request: Request) -> Response:
         query, write = request.query_params, self.scene.write_mesh

@@ -6,12 +6,14 @@ import base64
 import json
 import math
 import re
+import struct
 import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -975,27 +977,31 @@ def test_a_flight_is_filmed(browser: Any, viewer: Any) -> None:
     screen.close()
 
 
-def test_the_tracks_in_view_are_saved_as_a_vector_picture(browser: Any, viewer: Any) -> None:
-    asked: list[tuple[Any, ...]] = []
-    viewer.scene.draw_pages = lambda *wanted: asked.append(wanted) or b"<svg/>"
-    viewer.scene.update_state(prints=True)
-    screen = Screen(browser, viewer.url, "#md=1010&sec=20", (1366, 768), drawn=False)
+def test_the_view_is_saved_as_a_vector_picture(browser: Any, viewer: Any) -> None:
+    """Each text of the picture stands where the page has it, and the wall is a picture in it."""
+    pick = hb.Pick(kind="fracture", depth=1010.0, apparent_dip=50.0, toolface=90.0)
+    viewer.scene.change_picks(lambda picks: picks.put(pick))
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20&camera=down", (1366, 768))
+    screen.until("window.__wall.app.picking.kept.length")
     screen.settle()
     with screen.page.expect_download() as download:
         screen.click("#svg")
-    assert Path(download.value.path()).read_bytes() == b"<svg/>"
-    assert download.value.suggested_filename == "log-1000.0-1020.0.svg"
-    assert asked[0][:3] == (1000.0, 1020.0, "mm")
-    assert asked[0][-1] == ".svg"
+    assert download.value.suggested_filename == "Made-1-1000.0-1020.0.svg"
+    root = ElementTree.parse(download.value.path()).getroot()
+    labels = screen.evaluate("document.getElementById('ink').labels")
+    svg = "{http://www.w3.org/2000/svg}"
+    (shown,) = [group for group in root.iter(f"{svg}g") if group.get("transform") == "translate(0 26)"]
+    texts = [(text.text, float(text.get("y", "nan"))) for text in shown.iter(f"{svg}text")]
+    assert len(labels) > 20
+    for one in labels:
+        places = [y for text, y in texts if text == one["text"]]
+        assert any(one["top"] - 1 < y < one["bottom"] + 4 for y in places), one
+    pictures = [image for image in root.iter(f"{svg}image") if float(image.get("width", "0")) > 500]
+    wide, high = struct.unpack(">II", base64.b64decode(pictures[0].get("href", "").split(",")[1])[16:24])
+    assert [wide, high] == screen.evaluate("[2 * stage.clientWidth, 2 * stage.clientHeight]")
+    listed = [text.text for text in root.iter(f"{svg}text")]
+    assert "fracture" in listed, "beside the stereonet"
+    assert any("lower hemisphere" in (text or "") for text in listed)
+    assert not list(root.iter(f"{svg}script"))
     screen.close()
-
-
-def test_the_vector_picture_holds_the_tracks_and_nothing_below_them() -> None:
-    depth = np.arange(2000.0, 2040.0, 0.02)
-    wall = hb.reconstruct(
-        hb.Caliper(depth, depth * 1800 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
-    )
-    picture = section_printer(wall, {"title": "A"})(2010.0, 2014.0, "mm", 100, ".svg")
-    assert b"<svg" in picture[:600]
-    height = float(re.search(rb'height="([\d.]+)pt"', picture)[1]) / 72 * 25.4  # type: ignore[index]
-    assert 40 < height < 40 + 130, "4 m at 1:100, header and foot"
+    viewer.scene.change_picks(Picks.clear)

@@ -6,6 +6,7 @@ import json
 import urllib.request
 from collections.abc import Iterator
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -131,6 +132,17 @@ class TestPage:
         assert found["Well"] == "B-2"
         assert float(found["MD"].split()[0]) == pytest.approx(top + 0.25 * length, abs=0.1)
         assert found["Bed"] == "–"
+        screen.close()
+
+    @pytest.mark.parametrize("mode", ["scene", "section"])
+    def test_the_wells_are_saved_as_a_vector_picture(self, browser: Any, wells: Any, mode: str) -> None:
+        screen = Screen(browser, wells[0].url, f"#mode={mode}", drawn=False)
+        with screen.page.expect_download() as download:
+            screen.click("#svg")
+        root = ElementTree.parse(download.value.path()).getroot()
+        texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
+        assert set(HEADS) <= set(texts)
+        assert "Bed 1" in texts
         screen.close()
 
     def test_a_wells_page_opens(self, browser: Any, wells: Any) -> None:

@@ -11,8 +11,8 @@ function drawnInSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
-/** @param {HTMLCanvasElement} canvas */
-export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
+/** @param {HTMLCanvasElement & { recorder?: Ink }} canvas */
+export const pen = (canvas) => canvas.recorder ?? /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
 
 let least = 0;
 

@@ -34,10 +34,10 @@ const sidesOf = ({ surveyed, reference }) => {
 const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
 
 // Draw the stereonet and the rose, and return in words what they show.
-/** @param {{ ink: Ink, width: number, height: number }} canvas @param {Look} look @param {Planes} planes */
-export function drawNet({ ink, width, height }, { view, path }, { kept, boxes }) {
+/** @param {{ ink: Ink, width: number, height: number }} canvas @param {Look} look @param {Planes} planes @param {boolean} [alone] on its canvas */
+export function drawNet({ ink, width, height }, { view, path }, { kept, boxes }, alone = true) {
   const palette = PALETTES[view.theme];
-  ink.clearRect(0, 0, width, height);
+  if (alone) ink.clearRect(0, 0, width, height);
   /** @param {{ depth: number }} of */
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const planes = kept.filter(inView);

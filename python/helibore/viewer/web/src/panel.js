@@ -287,7 +287,7 @@ function countHidden() {
 export function links({ view, store, contents, prints, meshes, renderer: { rects } }, address) {
   byId('csv').hidden = byId('las').hidden = byId('export').hidden = contents !== null;
   byId('glb').hidden = !meshes || contents !== null;
-  byId('print').hidden = byId('svg').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
+  byId('print').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
@@ -296,7 +296,7 @@ export function links({ view, store, contents, prints, meshes, renderer: { rects
   byId('glb').href = `api/section.glb?${query}`;
   const scale = printScale(view, rects.image);
   const look = `units=${view.units}&scale=${scale}`;
-  for (const [id, ending] of /** @type {const} */ ([['print', 'pdf'], ['svg', 'svg']])) byId(id).href = `api/print.${ending}?${query}&${look}`;
+  byId('print').href = `api/print.pdf?${query}&${look}`;
   byId('print').title = byId('dipPrint').title = `${showSpan(view.top, view.bottom, view.units)}, in view, on paper at 1:${scale}, with its picks (PDF). Print well, below the log, prints it all.`;
   const whole = new URLSearchParams(location.search);
   whole.set('start', String(store.span[0]));

@@ -4,6 +4,7 @@ import { messageOf } from './errors.js';
 import { pen, pixelRatio, sharpen } from './device.js';
 import { byId } from './dom.js';
 import { toggleFlight } from './inside.js';
+import { late } from './late.js';
 import { BOLD, PALETTES } from './layout.js';
 import { showSpan } from './units.js';
 
@@ -18,12 +19,14 @@ export function save(blob, name) {
 
 /** @param {App} app */
 export function bindSaving(app) {
-  byId('png').addEventListener('click', (event) => {
-    event.preventDefault();
-    if (app.store) savePicture(app);
-  });
+  for (const ending of /** @type {const} */ (['png', 'svg'])) {
+    byId(ending).addEventListener('click', (event) => {
+      event.preventDefault();
+      if (app.store) savePicture(app, ending);
+    });
+  }
   byId('film').addEventListener('click', () => film(app));
-  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'las', 'print', 'printAll', 'svg'])) {
+  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'las', 'print', 'printAll'])) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
       const { view, store } = app;
@@ -34,8 +37,7 @@ export function bindSaving(app) {
   }
 }
 
-const WIDE = 3840; // pixels of a saved picture, as a slide has at most
-const BAND = 26; // pixels above the picture, for its words
+const BAND = 26; // pixels above a film, for its words
 
 // Draw what the stage shows, in its own pixels, under a line with the well and the section. `drawn`: WebGL was drawn in this
 // turn of the loop, until the end of which the browser has the picture.
@@ -63,16 +65,12 @@ const wellName = () => byId('well').title || 'helibore';
 /** @param {View} view @param {string} ending */
 const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}.${ending}`;
 
-/** @param {App} app */
-function savePicture(app) {
-  const canvas = document.createElement('canvas');
-  const look = app.renderer.look();
-  sharpen(Math.min(4, WIDE / byId('ink').clientWidth));
-  app.renderer.drawInk(look);
-  copyStage(app, canvas, look, false);
-  sharpen(0);
-  app.repaint();
-  canvas.toBlob((blob) => blob && save(blob, fileName(app.view, 'png')));
+// Save what the stage shows, once the part of the page that does it is here.
+/** @param {App} app @param {'png' | 'svg'} ending */
+function savePicture(app, ending) {
+  const more = late(app);
+  if (more) more.saveStage(app, ending, sharpen, (blob) => save(blob, fileName(app.view, ending)));
+  else if (app.renderer.loading) setTimeout(() => savePicture(app, ending), 50);
 }
 
 // Film what the stage shows, frame by frame, until the flight ends; then save the video.

@@ -16,6 +16,7 @@ import { BOLD, FONT, PALETTES } from './layout.js';
 import { niceStep } from './lod.js';
 import { applyTheme } from './panel.js';
 import { save } from './saving.js';
+import { recorder, svgFile } from './svg.js';
 import { numbers, View } from './view.js';
 import { Well } from './well.js';
 import { Scene } from './wells_scene.js';
@@ -274,7 +275,7 @@ export class Wells {
     on('units', 'change', ({ value }) => view.choose({ units: /** @type {Units} */ (value) }));
     on('theme', 'click', () => view.toggleTheme());
     on('fit', 'click', () => this.fit());
-    on('png', 'click', () => this.savePicture());
+    for (const ending of /** @type {const} */ (['png', 'svg'])) on(ending, 'click', () => this.savePicture(ending));
     for (const id of SHOWN) on(id, 'change', ({ checked }) => (this.shown[id] = checked));
     new ResizeObserver(this.redraw).observe(byId('stage'));
     const ink = byId('ink');
@@ -330,25 +331,38 @@ export class Wells {
   }
 
   // Save the picture under a line with the names of the wells.
-  savePicture() {
-    const [inks, canvas] = [byId('ink'), document.createElement('canvas')];
-    sharpen(Math.min(4, WIDE / inks.clientWidth));
-    this.movedAt = 0;
-    this.draw();
-    const ratio = pixelRatio(inks);
-    Object.assign(canvas, { width: inks.width, height: inks.height + BAND * ratio });
-    const ink = pen(canvas);
+  /** @param {'png' | 'svg'} ending */
+  savePicture(ending) {
+    const vector = ending === 'svg';
+    const inks = byId('ink');
+    const [width, height] = [inks.clientWidth, inks.clientHeight + BAND];
+    const ratio = Math.max(vector ? 2 : Math.min(4, WIDE / width), pixelRatio(inks));
+    const canvas = Object.assign(document.createElement('canvas'), { width: width * ratio, height: height * ratio });
+    /** @type {string[]} */
+    const parts = [];
+    const ink = vector ? recorder(pen(canvas), parts, () => ratio) : pen(canvas);
     const palette = PALETTES[this.view.theme];
-    ink.fillStyle = palette.paper;
-    ink.fillRect(0, 0, canvas.width, canvas.height);
-    for (const layer of [this.gpu.canvas, inks]) ink.drawImage(layer, 0, BAND * ratio, inks.width, inks.height);
     ink.scale(ratio, ratio);
+    ink.fillStyle = palette.paper;
+    ink.fillRect(0, 0, width, height);
     ink.font = BOLD;
     ink.fillStyle = palette.ink;
     ink.fillText([this.drawn.map(({ name }) => name).join(', '), this.note].filter(Boolean).join('   '), 8, 17);
+    sharpen(ratio);
+    this.movedAt = 0;
+    /** @type {string[]} */
+    const strokes = [];
+    if (vector) inks.recorder = recorder(pen(inks), strokes, () => ratio);
+    this.draw();
+    delete inks.recorder;
+    ink.drawImage(this.gpu.canvas, 0, BAND, width, height - BAND);
+    if (!vector) ink.drawImage(inks, 0, BAND, width, height - BAND);
     sharpen(0);
     this.redraw();
-    canvas.toBlob((blob) => blob && save(blob, `wells-${this.mode}.png`));
+    /** @param {Blob | null} blob */
+    const keep = (blob) => blob && save(blob, `wells-${this.mode}.${ending}`);
+    if (vector) keep(svgFile(width, height, [...parts, `<g transform="translate(0 ${BAND})">`, ...strokes, '</g>']));
+    else canvas.toBlob(keep);
   }
 
   toAddress() {

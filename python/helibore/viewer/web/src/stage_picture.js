@@ -1,0 +1,92 @@
+// Save what the stage shows as a picture, PNG or SVG, under a line with the well and the section; beside it the stereonet and the
+// rose of the picks in view.
+
+import { pen, pixelRatio } from './device.js';
+import { symbol } from './dip_ink.js';
+import { byId } from './dom.js';
+import { BOLD, label, PALETTES, SMALL } from './layout.js';
+import { drawNet } from './net.js';
+import { recorder, svgFile } from './svg.js';
+import { showAngle, showDepth, showSpan } from './units.js';
+
+const WIDE = 3840; // pixels of a saved picture, as a slide has at most
+const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
+const BAND = 26; // pixels above the picture, for its words
+const ROW = 17; // pixels of a pick in the list below
+const NET = { width: 330, height: 190 }; // stereonet and rose, at the right
+
+// `sharpen` is that of the page, `save` takes the picture.
+/** @param {App} app @param {'png' | 'svg'} ending @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save */
+export function saveStage(app, ending, sharpen, save) {
+  const { renderer, view, store, picking } = app;
+  const inks = byId('ink');
+  const vector = ending === 'svg';
+  const planes = picking.planes();
+  const inView = [...planes.kept, ...planes.boxes].some(({ depth }) => depth >= view.top && depth <= view.bottom);
+  const side = inView ? NET.width : 0;
+  const [width, height] = [inks.clientWidth + side, inks.clientHeight + BAND];
+  const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));
+  sharpen(ratio);
+  const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: Math.round(width * ratio), height: Math.round(height * ratio), labels: [], strokes: [] });
+  /** @type {string[]} */
+  const parts = [];
+  const ink = vector ? recorder(pen(canvas), parts, () => ratio) : pen(canvas);
+  const look = renderer.look();
+  const palette = PALETTES[view.theme];
+  ink.setTransform(ratio, 0, 0, ratio, 0, 0);
+  ink.fillStyle = palette.paper;
+  ink.fillRect(0, 0, width, height);
+  ink.fillStyle = palette.ink;
+  ink.font = BOLD;
+  ink.textBaseline = 'alphabetic';
+  ink.fillText(`${byId('well').title || 'helibore'}   MD ${showSpan(Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1]), view.units)}`, 8, 17);
+  ink.translate(0, BAND);
+  if (vector) {
+    draw(ink);
+    parts.push(`<g transform="translate(0 ${BAND})">`);
+    inks.recorder = recorder(pen(inks), parts, () => ratio);
+    renderer.drawInk(look);
+    delete inks.recorder;
+    parts.push('</g>');
+  } else {
+    renderer.drawInk(look);
+    draw(ink);
+    ink.drawImage(inks, 0, 0, inks.clientWidth, inks.clientHeight);
+  }
+  if (side) {
+    ink.translate(inks.clientWidth, 0);
+    const words = drawNet({ ink, ...NET }, look, planes, false);
+    label(ink, words, NET.width / 2, NET.height + 2, { colour: palette.soft, align: 'center', font: SMALL });
+    listPicks(ink, look, planes, height - BAND);
+  }
+  sharpen(0);
+  app.repaint();
+  if (vector) save(svgFile(width, height, parts));
+  else canvas.toBlob((blob) => blob && save(blob));
+
+  // Draw WebGL now: the browser has its picture until the end of this turn of the loop.
+  /** @param {Ink} on */
+  function draw(on) {
+    if (!renderer.gpu) return;
+    renderer.gpu.draw(look);
+    on.drawImage(renderer.gpu.canvas, 0, 0, inks.clientWidth, inks.clientHeight);
+  }
+}
+
+// List the picks in view below the stereonet, as many as there is room for: symbol, depth, class, dip and azimuth.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} height */
+function listPicks(ink, { view, path }, { kept, boxes }, height) {
+  const palette = PALETTES[view.theme];
+  const shown = [...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).sort((a, b) => a.depth - b.depth);
+  const first = NET.height + 30;
+  const room = Math.max(0, Math.floor((height - first - 10) / ROW));
+  shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
+    const y = first + ROW * i;
+    if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
+    const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
+    const angles = known ? `${one.dip.toFixed(0)}° to ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
+    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [one.kind, 116, 'left'], [angles, NET.width - 14, 'right']]);
+    for (const [text, x, align] of row) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
+  });
+  if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 116, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
+}
