@@ -183,6 +183,17 @@ def test_rig_mode_follows_and_survives_a_reload(browser: Any) -> None:
         screen.close()
 
 
+def test_the_bit_ahead_of_a_short_wall_is_in_the_picture(browser: Any) -> None:
+    wall = MadeWall(9_000)  # 14 m
+    with hb.view(wall) as viewer:
+        bit = wall.depth[-1] + 3
+        viewer.scene.update_state(bit_depth=bit, newest=time.time())
+        screen = Screen(browser, viewer.url, "#rig=1", drawn=False)
+        screen.until(f"window.__wall.app.bit === {bit} && window.__wall.app.view.bottom > {bit}")
+        assert screen.evaluate("window.__wall.app.view.top") < wall.depth[0] + 1
+        screen.close()
+
+
 def test_a_new_zone_announces_itself_until_it_is_silenced(browser: Any) -> None:
     wall = MadeWall(25_000)
     with hb.view(wall) as viewer:

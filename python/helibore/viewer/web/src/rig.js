@@ -3,6 +3,7 @@
 
 import { byId } from './dom.js';
 import { late } from './late.js';
+import { longest } from './view.js';
 import { byConsequence } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means, if the wall is that long
@@ -43,7 +44,7 @@ export function rigSection(app) {
   const far = down ? (store.end - lead > RECENT / 2 ? lead : Math.max(store.end, lead)) : Math.min(store.end, lead);
   const top = Math.min(worst?.start ?? Infinity, down ? far - RECENT : far) - BEYOND;
   const bottom = Math.max(worst?.stop ?? -Infinity, down ? far : far + RECENT) + BEYOND;
-  const length = Math.ceil((bottom - top) / STEP) * STEP;
+  const length = Math.min(Math.ceil((bottom - top) / STEP) * STEP, longest(store));
   return [down ? bottom - length : top, length];
 }
 

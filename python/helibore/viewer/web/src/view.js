@@ -45,6 +45,10 @@ const INK = ['cursor', 'pins', 'follow', 'string']; // what the WebGL picture do
 /** @param {string | null} text */
 export const numbers = (text) => (text ? text.split('_').map(Number).filter(Number.isFinite) : []);
 
+// Return the most metres that are in view.
+/** @param {Store} store */
+export const longest = ({ span: [shallow, deep] }) => Math.max(20, (deep - shallow) * 1.1);
+
 export class View extends Settings {
   length = 30;
   top = 0;
@@ -189,8 +193,7 @@ export class View extends Settings {
   show(top, length, store, byHand = true) {
     if (this.rig && byHand) return;
     const [shallow, deep] = store.span;
-    const longest = Math.max(20, (deep - shallow) * 1.1);
-    const size = Math.min(Math.max(length, SHORTEST), longest);
+    const size = Math.min(Math.max(length, SHORTEST), longest(store));
     const clamped = Math.min(Math.max(top + (length - size) / 2, shallow - size * 0.5), Math.max(deep - size * 0.5, shallow - size * 0.5));
     this.#change({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
   }
