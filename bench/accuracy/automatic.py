@@ -65,7 +65,9 @@ def tails(seed: int) -> Iterator[Case]:
         at = positions("32 a turn", seed)
         rng = np.random.default_rng([seed, 3])
         off = rng.normal(0, NOISE, at[0].size)
-        off += (rng.random(off.size) < 0.03) * rng.standard_t(2, off.size) * 3e-3
+        off += (
+            (rng.random(off.size) < 0.03) * np.maximum(rng.standard_t(2, off.size), -30.0) * 3e-3
+        )  # radii stay above 0
         yield _sampled(kind, Hole(kind, seed).radius, at, off)
 
 
@@ -118,7 +120,9 @@ def arms(seed: int) -> Iterator[Case]:
             ])  # fmt: skip
             bias = np.repeat(rng.normal(0, 3e-4, count), depth.size)
             off = np.tile(bias, passes) + rng.normal(0, NOISE, at.size)
-            yield _sampled(f"{count} arms, {passes} passes, {rate:g} deg/m, {name}", shape, (at, toolface % 360), off)
+            case = _sampled(f"{count} arms, {passes} passes, {rate:g} deg/m, {name}", shape, (at, toolface % 360), off)
+            of, arm = case.caliper, np.tile(np.repeat(np.arange(count), depth.size), passes)
+            yield case._replace(caliper=hb.Caliper(of.depth, of.toolface, of.radius, arm=arm))
 
 
 CLASSES: dict[str, tuple[Callable[[int], Iterator[Case]], bool]] = {

@@ -15,7 +15,8 @@ places like those of the left-out samples. Sigma is NaN in gaps of the turn (`Wa
 half as far again but at most 0.15 m, as far as a measured vertex may be from its sample.
 
 With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
-square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples. There, a gap of the turn is
+square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples; if the arms of the samples are
+known, plus what their biases add (`helibore.wall.arm_biases`). There, a gap of the turn is
 measured within the greatest length of the covariance along the hole (0.5 to 15 m) above and below the vertex.
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
@@ -88,7 +89,7 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
         return np.full(wall.radius.size, np.nan)
     depth, toolface, radius = wall.sample_columns[:3]
     if wall.settings.estimator == "near-and-far":
-        return _near_and_far_sigma(wall, (depth, toolface, radius))
+        return _near_and_far_sigma(wall, (depth, toolface, radius), threads)
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
     if np.mean(unmeasured) > MOST_UNMEASURED:
@@ -98,12 +99,18 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
     return sigma
 
 
-def _near_and_far_sigma(wall: WallColumns, samples: Columns) -> Floats:
+def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
+    from helibore.wall.arm_biases import arm_numbers, bias_variance, square_shares
     from helibore.wall.covariance import covariance_of
 
-    longest = max(term.along for term in covariance_of(wall.settings.covariance or ()).terms)
+    covariance = covariance_of(wall.settings.covariance or ())
+    longest = max(term.along for term in covariance.terms)
     gaps = replace(wall, settings=replace(wall.settings, gap_reach=float(np.clip(longest, 0.5, _LONGEST_GAP))))
-    sigma: Floats = near_and_far_factor(samples, wall.settings) * np.sqrt(wall.sums[0])
+    variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
+    arm = arm_numbers(samples, wall.arms)
+    if arm is not None and (of_arms := bias_variance(samples, arm, covariance)) > 0.0:
+        variance += of_arms * square_shares(wall.sample_columns, arm, wall.settings, threads)
+    sigma: Floats = np.sqrt(variance)
     sigma[_unmeasured(gaps)] = np.nan
     return sigma
 
