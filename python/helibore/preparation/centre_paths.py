@@ -45,9 +45,10 @@ _SIZE_PRIOR, _CENTRE_PRIOR = 0.003, 0.015  # m
 _WIDEST_GAP = 125.0  # degrees
 _ALIKE = 3.0  # knots, beside which the shape of unworn rock is alike
 _FINEST = 5e-5  # m: least deviation of a resting part
-# A wide washout on one side has a first harmonic of at most 1.3 times the growth of its mean radius, and of 30 times
-# the rest of its shape (bells of up to 340 degrees); a third of each is its deviation.
-_ONE_SIDED, _SHAPED = 0.4, 10.0
+# A wide washout on one side has a first harmonic of at most 1.5 times the growth of the circle that fits it, and of 30
+# times the rest of its shape (bells of up to 340 degrees); a third of each is its deviation. A round hole that is larger
+# than the bit looks the same, so its deviation is that large, too.
+_ONE_SIDED, _SHAPED = 0.5, 10.0
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ def growth(kind, position, angle):
     lobes = {
         "round": (), "breakout": ((0.015, 1.0, 60), (0.015, 1.0 + np.pi, 60)), "key seat": ((0.02, 2.0, 60),),
         "uneven": ((0.018, 1.0, 60), (0.007, 4.0, 45)), "washout": ((0.012, 2.0, 250),),
+        "shallow washout": ((0.0028, 2.0, 200),),
     }[kind]  # fmt: skip
     return sum((deep * lobe(angle, at, width) for deep, at, width in lobes), 0 * angle)
 
@@ -46,6 +47,17 @@ def errors(kind, position, toolface, radius, away):
     place = away + radius * np.exp(1j * np.radians(toolface))
     pairs = ((radius, np.radians(toolface)), (np.abs(place), np.angle(place)))
     return [np.sqrt(np.mean((r - 0.1082 - growth(kind, position, a)) ** 2)) for r, a in pairs]
+
+
+def test_a_shallow_washout_looks_like_a_larger_hole_off_centre_within_the_deviation():
+    position, toolface, radius, centre = seen("shallow washout", 0.0, 0)
+    path = find_centre_path(toolface, radius, position, BIT)
+    known = np.isfinite(path.rest)
+    assert known.any()
+    off = path.rest[known]
+    assert (np.maximum(np.abs(off.real), np.abs(off.imag)) <= 3 * path.rest_sigma[known]).all()
+    before, after = errors("shallow washout", position, toolface, radius, path.at(position)[0])
+    assert after < 1.01 * before
 
 
 @pytest.mark.parametrize("kind", ["round", "breakout", "uneven", "key seat"])
