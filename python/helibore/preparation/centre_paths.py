@@ -46,8 +46,8 @@ _WIDEST_GAP = 125.0  # degrees
 _ALIKE = 3.0  # knots, beside which the shape of unworn rock is alike
 _FINEST = 5e-5  # m: least deviation of a resting part
 # A wide washout on one side has a first harmonic of at most 1.5 times the growth of the circle that fits it, and of 30
-# times the rest of its shape (bells of up to 340 degrees); a third of each is its deviation. A round hole that is larger
-# than the bit looks the same, so its deviation is that large, too.
+# times the rest of its shape (bells of up to 340 degrees); a third of each is its deviation. A round hole that is
+# larger than the bit looks the same, so its deviation is that large, too.
 _ONE_SIDED, _SHAPED = 0.5, 10.0
 
 

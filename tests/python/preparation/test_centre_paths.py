@@ -50,12 +50,13 @@ def errors(kind, position, toolface, radius, away):
 
 
 def test_a_shallow_washout_looks_like_a_larger_hole_off_centre_within_the_deviation():
-    position, toolface, radius, centre = seen("shallow washout", 0.0, 0)
+    position, toolface, radius, _ = seen("shallow washout", 0.0, 0)
     path = find_centre_path(toolface, radius, position, BIT)
     known = np.isfinite(path.rest)
     assert known.any()
     off = path.rest[known]
-    assert (np.maximum(np.abs(off.real), np.abs(off.imag)) <= 3 * path.rest_sigma[known]).all()
+    farthest = np.maximum(np.abs(off.real), np.abs(off.imag))
+    assert np.all(farthest <= 3 * path.rest_sigma[known])
     before, after = errors("shallow washout", position, toolface, radius, path.at(position)[0])
     assert after < 1.01 * before
 
