@@ -204,7 +204,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
     """
     lock = Lock()
 
-    def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
+    def draw(start: float, stop: float, unit: str, scale: int | None, picture: bytes = b"") -> bytes:
         from helibore.plot import pages, rendered
 
         top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
@@ -212,6 +212,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
             raise InputError(f"section {start:g} to {stop:g} m", f"the wall reaches from {top:g} to {bottom:g} m")
         with lock:
             options = {"start": max(start, top), "stop": min(stop, bottom), "unit": unit, "scale": scale, **drawing}
+            options |= {"picture": picture, "body": ()} if picture else {}
             return rendered(pages(wall, **options), ".pdf")
 
     return draw

@@ -9,6 +9,7 @@ size.
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Array, Floats
 from helibore.base.cached import cached_property
 from helibore.base.color_limits import over_bit
 from helibore.base.colors import ColorScale, customary_map
@@ -103,6 +104,7 @@ class Drawing(PrintSettings):
         "Their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` "
         "are None, the interval holds all walls.",
     ] = field(default_factory=dict)  # fmt: skip
+    picture: Annotated[bytes, "PNG of the wall as the page shows it in 3-D, drawn below the tracks."] = b""
     criteria: Annotated[Criteria | None,
         "Criteria of the zones of the wall. None: the defaults. Zones of the walls in ``beside`` are not drawn.",
     ] = None  # fmt: skip
@@ -155,6 +157,13 @@ class Content:
     def state(self) -> WallState:
         """The wall as `WallState`, whose samples are thus copied only once."""
         return self.wall._state()
+
+    @cached_property
+    def picture(self) -> Array:
+        """The pixels of `Drawing.picture`."""
+        from matplotlib.image import imread
+
+        return imread(io.BytesIO(self.drawing.picture), format="png")
 
     @property
     def hatching(self) -> str:

@@ -232,6 +232,10 @@ def _tail(content: Content, width: float) -> list[tuple[float, float, float, _Dr
         parts.append((rows * HEIGHT + 8.0,) * 3 + (_draw_sections,))
     if content.stretched is not None:
         parts.append((LEAST_BODY + 6.0, BODY + 6.0, MOST_BODY + 6.0, _draw_bodies))
+    if content.drawing.picture:
+        high, wide = content.picture.shape[:2]
+        height = min(MOST_BODY, (width - 2 * MARGIN) * high / wide)
+        parts.append((height + 6.0,) * 3 + (_draw_picture,))
     return parts
 
 
@@ -257,6 +261,14 @@ def _draw_bodies(sheet: Sheet, content: Content, y: float, height: float) -> Non
     width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
     for index, body in enumerate(content.bodies):
         _draw_body(sheet, (MARGIN + index * width, y + 3.0, width - 4.0, height - 6.0), content, body)
+
+
+def _draw_picture(sheet: Sheet, content: Content, y: float, height: float) -> None:
+    """Draw the picture of the page, as wide as its height allows."""
+    high, wide = content.picture.shape[:2]
+    axes = sheet.axes(MARGIN, y + 3.0, (height - 6.0) * wide / high, height - 6.0)
+    axes.imshow(content.picture, aspect="auto", interpolation="antialiased")
+    axes.set_axis_off()
 
 
 def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Content, body: Body) -> Axes:

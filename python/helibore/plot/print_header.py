@@ -5,6 +5,7 @@ If a wall does not show the shape of the hole, the header says so in red.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
@@ -82,8 +83,20 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         *([("Survey", survey_text(content), False)] if wall.path is not None else []),
         ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
         *measured,
+        *picked_and_tops(content),
         ("Helix", f"{settings.sectors} sectors, pitch {pitch}, {summary.vertices:,} vertices", False),
     ]
+
+
+def picked_and_tops(content: Content) -> list[tuple[str, str, bool]]:
+    """Return the rows on the picks and the tops of the interval; none where there is none."""
+    wall, unit = content.wall, content.drawing.depth_unit
+    kinds = Counter(pick.kind for pick in wall.picks if content.top <= pick.depth <= content.bottom)
+    picks = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
+    starts = [(one.name, one.start) for one in wall.intervals if one.start is not None and not one.track]
+    tops = [f"{name} {top / unit.metres:.1f}" for name, top in starts if content.top <= top <= content.bottom]
+    rows = [("Picks", picks, False), (f"Tops [{unit.name}]", ", ".join(tops), False)]
+    return [row for row in rows if row[1]]
 
 
 def toolface_text(content: Content) -> str:

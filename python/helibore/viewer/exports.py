@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -28,6 +29,8 @@ from helibore.viewer.texels import (
 MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
 ROWS_A_CHUNK = 256
+PNG, PNG_SIZE = b"\x89PNG\r\n\x1a\n", slice(16, 24)
+MOST_PIXELS = 8192
 SCALES = 10, 10_000
 """Least and greatest N of a scale 1:N. A scale such as 1:1 would need a roll of paper, 1:100000 would show nothing."""
 
@@ -92,6 +95,16 @@ def print_scale(query: Mapping[str, str]) -> int | None:
     if not (text.isdecimal() and SCALES[0] <= int(text) <= SCALES[1]):
         raise InputError("scale", f"must be a whole number from {SCALES[0]} to {SCALES[1]}, 200 for 1:200", text[:20])
     return int(text)
+
+
+def checked_picture(body: bytes) -> bytes:
+    """Return a PNG that a page sends; raise InputError if it is none, or wider or higher than `MOST_PIXELS`."""
+    if not body.startswith(PNG) or len(body) < PNG_SIZE.stop:
+        raise InputError("picture", "must be a PNG")
+    size = struct.unpack(">II", body[PNG_SIZE])
+    if not 1 <= min(size) <= max(size) <= MOST_PIXELS:
+        raise InputError("picture", f"must have 1 to {MOST_PIXELS} pixels in each direction", f"{size[0]} x {size[1]}")
+    return body
 
 
 def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, float]:

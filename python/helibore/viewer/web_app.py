@@ -62,6 +62,7 @@ TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second; the fi
 MOST_PAGES = 64
 MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
+MOST_PICTURE = 1 << 24  # bytes of a picture to print
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
 Endpoint = Callable[[Request], Awaitable[Response]]
 
@@ -104,7 +105,6 @@ class WebApp:
             "summary": self.summary,
             "history": self.history,
             "export.html": self.export,
-            "print.pdf": self.print_section,
             "section.glb": self.mesh_section,
             "section.las": self.logs_section,
         }
@@ -118,6 +118,7 @@ class WebApp:
         begun = [Route(f"/api/{path}", when_begun(endpoint)) for path, endpoint in api.items()]
         begun += [
             Route("/api/pick", when_begun(self.change_pick), methods=["PUT", "DELETE"]),
+            Route("/api/print.pdf", when_begun(self.print_section), methods=["GET", "POST"]),
             Route("/api/picks.csv", when_begun(self.picks_table), methods=["GET", "POST"]),
         ]
         return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
@@ -275,12 +276,17 @@ class WebApp:
         return await self.downloads.start(write, TYPES["index.html"], _file_name("wall", query, "html"), whole=True)
 
     async def print_section(self, request: Request) -> Response:
+        """Return the section as a PDF; the body of POST is a PNG of the wall in 3-D, drawn below the tracks."""
         query, draw = request.query_params, self.scene.draw_pages
         if draw is None:
             return PlainTextResponse("this server cannot print\n", 404)
+        try:
+            picture = [exports.checked_picture(await _body(request, MOST_PICTURE))] if request.method == "POST" else []
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
 
         def write(start: float, stop: float) -> bytes:
-            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query))
+            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query), *picture)
 
         return await self.drawn(write, query, "application/pdf", _file_name("log", query, "pdf"))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from itertools import combinations, pairwise
 from pathlib import Path
@@ -13,6 +14,7 @@ from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
 from locations import WEB
+from matplotlib.image import imsave
 from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
@@ -20,7 +22,7 @@ from helibore import plot
 from helibore.base.colors import FILL_COLORS
 from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.turn_logs import NO_UNCERTAINTY
-from helibore.plot.content import REFERENCES, content_of
+from helibore.plot.content import REFERENCES, Drawing, content_of
 from helibore.plot.cross_sections import sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
@@ -28,7 +30,7 @@ from helibore.plot.hatching import HATCH, HATCH_BYTES, LINE, NO_DATA, NO_DATA_LI
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
-from helibore.plot.print_header import SIDES_TEXT, header_height, sentence
+from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -772,3 +774,28 @@ def test_the_bodies_take_what_the_last_page_has_left(wall: hb.Wall, scale: int) 
     lowest = min(axes.get_position().y0 for axes in last.axes) * 297
     assert len(tall) >= 1
     assert lowest < 297 / 3, "the last page is filled"
+
+
+def test_the_header_names_picks_and_tops_and_a_picture_stands_below_the_tracks() -> None:
+    """Tops and picks outside the interval are not named; the picture keeps its proportions."""
+    wall = hb.reconstruct(hb.Caliper.gauge(1000, 1010, 0.2), bit_diameter=0.2, sectors=16)
+    wall.picks = hb.Picks([
+        hb.Pick(kind=kind, depth=depth, toolface=0.0, apparent_dip=30.0)
+        for kind, depth in (("bed", 1002.0), ("bed", 1003.0), ("fault", 1004.0), ("fracture", 1009.0))
+    ])  # fmt: skip
+    wall.intervals = (hb.Interval("Upper", 1002.5, 1004.5), hb.Interval("Lower", 1004.5, math.inf))
+    content = content_of(wall, Drawing(start=1001.0, stop=1004.2, unit="mm"))
+    rows = {label: text for label, text, _ in facts(content)}
+    assert rows["Picks"] == "2 beds, 1 fault"
+    assert rows["Tops [m]"] == "Upper 1002.5"
+    written = io.BytesIO()
+    red = np.zeros((30, 90, 3))
+    red[..., 0] = 1.0
+    imsave(written, red, format="png")
+    for figures in ([hb.plot.log(wall, picture=written.getvalue())], hb.plot.pages(wall, picture=written.getvalue())):
+        axes = next(
+            axes for figure in figures for axes in figure.axes
+            if axes.images and axes.images[0].get_array().shape[:2] == (30, 90)
+        )  # fmt: skip
+        box = axes.get_window_extent()
+        assert box.width / box.height == pytest.approx(3.0, rel=1e-6)

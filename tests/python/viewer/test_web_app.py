@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import struct
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -500,6 +501,25 @@ def test_a_print_has_the_scale_that_the_page_asks_for(client: TestClient, feed: 
         refused = client.get(f"/api/print.pdf?start=1001&stop=1004&scale={scale}")
         rule = f"scale = {scale}: must be a whole number from 10 to 10000, 200 for 1:200\n"
         assert (refused.status_code, refused.text) == (400, rule)
+
+
+def test_a_print_takes_a_picture_of_the_page(client: TestClient, feed: Any) -> None:
+    asked: list[Any] = []
+    feed.scene.draw_pages = lambda *wanted: asked.append(wanted) or b"%PDF"
+    address = "/api/print.pdf?start=1001&stop=1004"
+    picture = b"\x89PNG\r\n\x1a\n" + bytes(8) + struct.pack(">II", 640, 480) + bytes(9)
+    assert client.post(address, content=picture).content == b"%PDF"
+    assert asked == [(1001.0, 1004.0, "mm", None, picture)]
+    wide = picture[:16] + struct.pack(">II", 8193, 480)
+    for body, rule in (
+        (b"GIF89a", "picture: must be a PNG"),
+        (wide, "picture = 8193 x 480: must have 1 to 8192 pixels"),
+    ):
+        refused = client.post(address, content=body)
+        assert refused.status_code == 400
+        assert refused.text.startswith(rule)
+    assert client.post(address, content=bytes((1 << 24) + 1)).status_code == 400
+    assert len(asked) == 1
 
 
 @pytest.mark.parametrize("path", ["summary", "section.csv", "export.html", "print.pdf"])

@@ -4,7 +4,7 @@ export { columnRows, drawColumns, drawPipes } from './columns.js';
 export { drawCurtain } from './curtain.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';
-export { saveStage } from './stage_picture.js';
+export { paneOf, saveStage } from './stage_picture.js';
 export { writeDigits } from './rig_digits.js';
 export { drawRun } from './run_chart.js';
 export { drawWallInk } from './wall_ink.js';

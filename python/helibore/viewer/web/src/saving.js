@@ -32,7 +32,8 @@ export function bindSaving(app) {
       const { view, store } = app;
       const part = id === 'print' && view.length < store.span[1] - store.span[0];
       const said = part ? `${showSpan(view.top, view.bottom, view.units)} is saved as a PDF. Print well, below the log, prints it all.` : '';
-      download(app, byId(id).href, id === 'printAll' ? 'The well was' : 'The section was', said);
+      const pane = id === 'print' ? late(app)?.paneOf(app, sharpen) : null; // printed below the tracks
+      Promise.resolve(pane).then((body) => download(app, byId(id).href, id === 'printAll' ? 'The well was' : 'The section was', said, body));
     });
   }
 }
@@ -83,24 +84,35 @@ export function film(app) {
   const recorder = new window.MediaRecorder(canvas.captureStream());
   recorder.ondataavailable = ({ data }) => save(data, fileName(view, /mp4/.test(data.type) ? 'mp4' : 'webm'));
   recorder.start();
-  renderer.filmed = (look, drawn) => copyStage(app, canvas, look, drawn);
+  const began = performance.now();
+  renderer.filmed = (look, drawn) => {
+    copyStage(app, canvas, look, drawn);
+    app.notice(`Filming, ${Math.round((performance.now() - began) / 1000)} s. It ends with the hole, or by Stop, and is then saved.`);
+  };
   return toggleFlight(app, () => {
     renderer.filmed = null;
+    app.notice('');
     recorder.stop();
   });
 }
 
-// `what` begins the message of a failure: "The section was"; `said` is shown after a success.
-/** @param {App} app @param {string} address @param {string} what @param {string} [said] */
-export async function download(app, address, what, said = '') {
-  app.notice('Writing …');
+// `what` begins the message of a failure: "The section was"; `said` is shown after a success; `body` is sent. Until the file is
+// here, the notice counts the seconds.
+/** @param {App} app @param {string} address @param {string} what @param {string} [said] @param {Blob | null} [body] */
+export async function download(app, address, what, said = '', body = null) {
+  const began = performance.now();
+  const say = () => app.notice(`Writing … ${Math.round((performance.now() - began) / 1000)} s`);
+  say();
+  const timer = setInterval(say, 1000);
   try {
-    const answer = await fetch(address);
+    const answer = await fetch(address, body ? { method: 'POST', body } : {});
     if (!answer.ok) return app.notice(`${what} not written: ${(await answer.text()).trim().slice(0, 300)}.`, 10);
     const name = /filename=([^;]+)/.exec(answer.headers.get('content-disposition') ?? '')?.[1] ?? 'helibore';
     save(await answer.blob(), name);
-    return app.notice(said, 10);
+    return app.notice(said || `Saved: ${name}`, 10);
   } catch (error) {
     return app.notice(`${what} not written: ${messageOf(error)}.`, 10);
+  } finally {
+    clearInterval(timer);
   }
 }

@@ -4,7 +4,7 @@
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
-import { BOLD, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { drawNet } from './net.js';
 import { recorder, svgFile } from './svg.js';
 import { showAngle, showDepth, showSpan } from './units.js';
@@ -22,8 +22,7 @@ export function saveStage(app, ending, sharpen, save) {
   const inks = byId('ink');
   const vector = ending === 'svg';
   const planes = picking.planes();
-  const inView = [...planes.kept, ...planes.boxes].some(({ depth }) => depth >= view.top && depth <= view.bottom);
-  const side = inView ? NET.width : 0;
+  const side = sideOf(view, planes);
   const [width, height] = [inks.clientWidth + side, inks.clientHeight + BAND];
   const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));
   sharpen(ratio);
@@ -53,12 +52,8 @@ export function saveStage(app, ending, sharpen, save) {
     draw(ink);
     ink.drawImage(inks, 0, 0, inks.clientWidth, inks.clientHeight);
   }
-  if (side) {
-    ink.translate(inks.clientWidth, 0);
-    const words = drawNet({ ink, ...NET }, look, planes, false);
-    label(ink, words, NET.width / 2, NET.height + 2, { colour: palette.soft, align: 'center', font: SMALL });
-    listPicks(ink, look, planes, height - BAND);
-  }
+  ink.translate(inks.clientWidth, 0);
+  if (side) drawSide(ink, look, planes, height - BAND);
   sharpen(0);
   app.repaint();
   if (vector) save(svgFile(width, height, parts));
@@ -71,6 +66,42 @@ export function saveStage(app, ending, sharpen, save) {
     renderer.gpu.draw(look);
     on.drawImage(renderer.gpu.canvas, 0, 0, inks.clientWidth, inks.clientHeight);
   }
+}
+
+/** @param {View} view @param {Planes} planes */
+const sideOf = (view, { kept, boxes }) => ([...kept, ...boxes].some(({ depth }) => depth >= view.top && depth <= view.bottom) ? NET.width : 0);
+
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} height */
+function drawSide(ink, look, planes, height) {
+  const words = drawNet({ ink, ...NET }, look, planes, false);
+  label(ink, words, NET.width / 2, NET.height + 2, { colour: PALETTES[look.view.theme].soft, align: 'center', font: SMALL });
+  listPicks(ink, look, planes, height);
+}
+
+// Return the 3-D view with the picks beside it as a PNG, to be printed; null without one.
+/** @param {App} app @param {(ratio: number) => void} sharpen @returns {Promise<Blob | null>} */
+export function paneOf({ renderer, view, picking, repaint }, sharpen) {
+  const { gpu, straight, rects: { wall: rect } } = renderer;
+  if (!gpu || straight || !rect.width) return Promise.resolve(null);
+  const inks = byId('ink');
+  const planes = picking.planes();
+  const look = renderer.look();
+  const width = rect.width + sideOf(view, planes);
+  const top = HEAD; // the controls stand above
+  const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: FINE * width, height: FINE * (rect.height - top), labels: [], strokes: [] });
+  const ink = pen(canvas);
+  sharpen(FINE);
+  renderer.drawInk(look);
+  gpu.draw(look);
+  ink.scale(FINE, FINE);
+  for (const layer of [gpu.canvas, inks]) ink.drawImage(layer, -rect.left, -top, inks.clientWidth, inks.clientHeight);
+  ink.translate(rect.width, 0);
+  ink.fillStyle = PALETTES[view.theme].paper;
+  ink.fillRect(0, 0, NET.width, rect.height);
+  if (width > rect.width) drawSide(ink, look, planes, rect.height - top);
+  sharpen(0);
+  repaint();
+  return new Promise((done) => canvas.toBlob(done));
 }
 
 // List the picks in view below the stereonet, as many as there is room for: symbol, depth, class, dip and azimuth.
