@@ -34,7 +34,8 @@ struct ToolRows {
 // Why rows stand out.
 enum class Cause {
     disagreement,  // two columns that look in the same direction differ by more than 2.5 mm in ten rows or more
-    closed,        // all columns stay within 2 mm of their least radius, 10 mm or more below their median and the bit
+    closed,        // all columns stay within 2 mm of their least radius, 10 mm or more below their median and the bit,
+                   // over 2 m, or half a metre at an end of the rows
     ramp,          // the arms close before, or open after, a closed stretch
     saturated,     // an arm reads the largest radius to which it opens, once in five rows or more over half a metre
     stuck,         // an arm does not move in a hundred rows or more while the others do

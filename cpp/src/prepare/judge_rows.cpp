@@ -22,6 +22,7 @@ constexpr double apart = 0.0025;  // metres by which two columns that look in th
 constexpr std::size_t rows_apart = 10;
 constexpr double inside_bit = 0.01;  // metres: closed arms lie as far inside the bit, and below the median radius
 constexpr double closed_within = 0.002, closed_length = 2.0, standing = 0.01;   // metres
+constexpr double closed_at_end = 0.5;                                           // metres: length at an end of the log
 constexpr std::size_t closed_rows = 20;                                         // in which closed arms may stand
 constexpr double limit_within = 1e-9, limit_below = 0.002, limit_length = 0.5;  // metres
 constexpr std::size_t limit_rows = 5, limit_share = 5;
@@ -111,7 +112,8 @@ void find_disagreements(const Columns& radii, std::span<const ToolSensor> sensor
         }
 }
 
-// Each row counts by its largest radius.
+// Each row counts by its largest radius. A tool opens where its log begins, or closes where it ends, so that a shorter
+// stretch is enough there.
 void find_closed(const Columns& radii, std::span<const double> depth, const PreparationSettings& settings,
                  std::vector<SuspectRows>& found) {
     const std::size_t count = depth.size();
@@ -132,6 +134,11 @@ void find_closed(const Columns& radii, std::span<const double> depth, const Prep
     if (std::isnan(least) || median(largest) < least + inside_bit) return;
     if (settings.bit_diameter && least + inside_bit > 0.5 * *settings.bit_diameter) return;  // a casing, or the hole
     const bool dropped = settings.bit_diameter && settings.drop_closed;
+    const auto is_known = [](double radius) { return !std::isnan(radius); };
+    const auto before =
+        static_cast<std::size_t>(std::find_if(largest.begin(), largest.end(), is_known) - largest.begin());
+    const auto beyond =
+        static_cast<std::size_t>(std::find_if(largest.rbegin(), largest.rend(), is_known).base() - largest.begin());
     const auto add = [&](Cause cause, std::size_t first, std::size_t stop) {
         if (first < stop) found.push_back({cause, -1, range(first, stop), dropped, least});
     };
@@ -143,7 +150,8 @@ void find_closed(const Columns& radii, std::span<const double> depth, const Prep
             for (std::size_t i = first; i < stop; ++i)
                 if (std::isfinite(depth[i])) top = std::min(top, depth[i]), bottom = std::max(bottom, depth[i]);
             const double length = bottom >= top ? bottom - top : 0.0;
-            if (length < closed_length && !(stop - first >= closed_rows && length <= standing)) return;
+            const double enough = first == before || stop == beyond ? closed_at_end : closed_length;
+            if (length < enough && !(stop - first >= closed_rows && length <= standing)) return;
             std::size_t begin = first, end = stop;
             while (end < count && largest[end] > largest[end - 1]) ++end;
             while (begin > 0 && largest[begin - 1] > largest[begin]) --begin;

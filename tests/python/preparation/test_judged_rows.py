@@ -37,7 +37,8 @@ def closed(values, depth, bit, drop):
     for first, last in stretches(known & (largest <= level + 0.002), 3):
         there = depth[first:last][np.isfinite(depth[first:last])]
         length = float(np.ptp(there)) if there.size else 0.0
-        if length < 2.0 and not (last - first >= 20 and length <= 0.01):
+        enough = 0.5 if first == np.flatnonzero(known)[0] or last == np.flatnonzero(known)[-1] + 1 else 2.0
+        if length < enough and not (last - first >= 20 and length <= 0.01):
             continue
         begin, end = first, last
         while end < largest.size and largest[end] > largest[end - 1]:

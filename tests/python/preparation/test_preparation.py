@@ -582,6 +582,19 @@ def test_a_row_whose_depth_and_toolface_are_interpolated_has_the_pass_and_turn_o
 
 
 @pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("first", "count", "counts"), [(0, 20, True), (0, 9, False), (100, 20, False), (N - 20, 20, True)]
+)
+def test_a_short_closed_stretch_counts_where_a_log_begins_or_ends(first: int, count: int, counts: bool) -> None:
+    """Half a metre there, two metres between; rows lie 0.05 m apart."""
+    one = arms()
+    x, y = (np.array(one[name].values) for name in ("cal_x", "cal_y"))
+    x[first : first + count], y[first : first + count] = 3.4, 3.6
+    found = prepare(arms(cal_x__in=x, cal_y__in=y).readings(), bit_diameter=8.5 * 0.0254)
+    assert (found.counts.get("closed", 0) >= count) == counts
+    assert ("closed" in found.counts) == counts
+
+
 def test_closed_arms_without_a_depth_are_reported_without_one() -> None:
     radius = np.where((TIMES >= 50) & (TIMES < 100), 0.08, 0.12)
     depth = np.where((TIMES >= 40) & (TIMES < 110), np.nan, 100 + 0.1 * TIMES)
