@@ -219,7 +219,8 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         made = screen.evaluate("window.__wall.app.picking.pick")
         assert made["toolface"] == pytest.approx(300, abs=0.5)
         assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
-        screen.until("document.getElementById('dipText').textContent.includes('drawn, no misfit')")  # of the next frame
+        text = "document.getElementById('dipText').textContent"
+        screen.until(f"{text}.includes('drawn by hand, not fitted: a row (')")  # of the next frame
         said.append(screen.inner_text("#dipText"))
         if size[0] < 600:
             numbers = [field.bounding_box() for field in screen.locator("#pickFields input").all()]

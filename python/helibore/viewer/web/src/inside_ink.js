@@ -19,9 +19,15 @@ export function drawInsideInk(ink, look, gpu) {
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   /** @param {number} depth @param {number} toolface @param {number} [out] */
   const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
+  for (const [name, top] of look.intervals) { // a top is a ring with its name at one side, away from the depths
+    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near) continue;
+    ring(ink, (toolface) => at(top, toolface), palette.top, 2);
+    const beside = at(top, (path.dial(top).up ?? 0) + 90, 0.96);
+    if (beside) label(ink, name, Math.min(beside[0], rects.wall.left + rects.wall.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 2 });
+  }
   let lettered = false; // on the nearest ring that is seen whole
   for (const depth of ahead) {
-    ring(ink, (toolface) => at(depth, toolface), palette);
+    ring(ink, (toolface) => at(depth, toolface), palette.paper);
     const zero = path.dial(depth).up ?? 0;
     const top = at(depth, zero, 0.94);
     if (top) label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 });
@@ -29,8 +35,8 @@ export function drawInsideInk(ink, look, gpu) {
   }
 }
 
-/** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {Palette} palette */
-function ring(ink, at, palette) {
+/** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {string} colour @param {number} [wide] */
+function ring(ink, at, colour, wide = 1) {
   ink.beginPath();
   let drawing = false;
   for (let toolface = 0; toolface <= 360; toolface += 6) {
@@ -38,9 +44,9 @@ function ring(ink, at, palette) {
     if (point && point[1] > HEAD) ink[drawing ? 'lineTo' : 'moveTo'](...point);
     drawing = Boolean(point && point[1] > HEAD);
   }
-  ink.strokeStyle = palette.paper;
-  ink.globalAlpha = 0.55;
-  ink.lineWidth = 1;
+  ink.strokeStyle = colour;
+  ink.globalAlpha = wide > 1 ? 1 : 0.55;
+  ink.lineWidth = wide;
   ink.stroke();
   ink.globalAlpha = 1;
 }

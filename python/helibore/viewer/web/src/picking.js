@@ -307,6 +307,16 @@ export class Picking {
     this.app.redraw();
   }
 
+  // Return in words how far a plane that was drawn by hand turns if it is drawn a row of the image too high on one side.
+  /** @param {Plane} plane */
+  slack({ apparent, radius }) {
+    const { selection: { quantity }, store, view: { units } } = this.app;
+    const row = Math.max(Math.abs(store.levels[0].pitch), quantity.rows?.[1] ?? 0);
+    const slope = Math.tan((apparent * Math.PI) / 180);
+    const [dip, azimuth] = [Math.atan(slope + row / radius) - Math.atan(slope), Math.atan2(row / radius, slope)].map((angle) => (angle * 180) / Math.PI);
+    return `drawn by hand, not fitted: a row (${showLength(row, units, units === 'mm' ? 0 : 2)}) is ${showAngle(dip, 0)} of dip, ${showAngle(azimuth, 0)} of azimuth`;
+  }
+
   // Save a new or changed pick, and select it; return false if it lies outside the wall, or if there are too many picks.
   /** @param {WallPick} pick */
   put(pick) {
@@ -535,7 +545,7 @@ export class Picking {
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
-      const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn, no misfit';
+      const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : this.slack(plane);
       lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
     lines.push(`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`);

@@ -5,10 +5,11 @@ import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
-import { dot, eastNorthUp, minus } from './vectors.js';
+import { dot, eastNorthUp, minus, scaled } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 import { isSure } from './zones.js';
 
@@ -35,7 +36,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
+  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
   if (!view.rig) inLines(ink, words, rect.width - 20).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
@@ -82,10 +83,29 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   for (const [name, start] of look.intervals) {
     const at = start > view.top && start < view.bottom && gpu.project(path.at(start), rect, gpu.aside(path.at(start), -beside));
     ink.font = SMALL_BOLD;
-    if (at) label(ink, `${name} –`, Math.max(at[0] - 6, rect.left + 4 + ink.measureText(`${name} –`).width), at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
+    if (!at) continue;
+    const edge = gpu.project(path.at(start), rect, gpu.aside(path.at(start), -store.bitRadius * tube));
+    const left = Math.max(at[0] - 4, rect.left + 4 + ink.measureText(name).width);
+    if (edge) line(ink, left + 2, at[1], ...edge, palette.top, [], 1.5);
+    label(ink, name, left, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
   }
+  scaleBar(ink, look, gpu, palette);
   dashed(ink, planAlong(look).map((centre) => gpu.project({ centre }, rect)), palette.max);
   cursorLabel(ink, look, gpu, beside, palette);
+}
+
+// Draw a bar with its length, as it is in the middle of the section.
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
+function scaleBar(ink, { view, path, rects: { wall: rect } }, gpu, palette) {
+  const frame = path.at(view.middle);
+  const [a, b] = [0, 1].map((metres) => gpu.project(frame, rect, scaled(gpu.camera.axes[0], metres)));
+  if (!a || !b) return;
+  const { scale, unit } = LENGTHS[view.units].depth;
+  const perUnit = (b[0] - a[0]) / scale; // pixels
+  const size = niceStep(40 / perUnit);
+  const [x, y] = [rect.left + 92, rect.height - 46]; // beside the compass
+  for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
+  label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
 }
 
 // Draw the planned path.
