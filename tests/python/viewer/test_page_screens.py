@@ -151,6 +151,7 @@ def test_a_tab_without_zones_says_so(browser: Any) -> None:
     with hb.view(hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)) as viewer:
         screen = Screen(browser, viewer.url, "", (390, 844), drawn=False)
         assert not screen.is_visible("#zonesTitle")
+        assert screen.inner_text("#briefZone") == "not measured"
         screen.click("#tabs button[value='zones']")
         screen.settle()
         assert screen.is_visible("#zonesTitle")

@@ -54,8 +54,11 @@ export function drawColumn(ink, look) {
   const seen = `seen from ${facing(look)}`;
   const scales = [made[0] + factors(' about bit', 'of % turns'), made[1] + factors('', 'of %'), made[2] + factors('', '%')];
   const name = ['Hole, straightened', 'Hole'];
-  const ways = [[name, [`${seen}, right half cut away`], scales], [name, [seen], ['right half cut away'], scales], [name, ['right half cut away', 'right half cut'], scales]].map((lines) => inRows(ink, { ...rect, width: right - rect.left }, lines));
-  const written = ways.find((lines) => lines.every(Boolean)) ?? ways[2];
+  const ways = [[name, [`${seen}, right half cut away`], scales], [name, [seen], ['right half cut away'], scales], [name, ['right half cut away', 'right half cut'], scales]];
+  const rows = headRows({ ...rect, width: right - rect.left });
+  /** @type {ReturnType<typeof inRows>} */
+  let written = [];
+  for (const lines of ways) if (!written.length || !written.every(Boolean)) written = inRows(ink, [...rows], lines);
   written.forEach((one, i) => one && label(ink, one.text, rect.left + 2, one.y, i ? { colour: palette.soft, font: SMALL } : { colour: palette.ink, font: BOLD }));
   ink.font = SMALL;
   if (!written.some((one) => one?.text.includes('cut away'))) { // beside the key of the bit, where the controls leave no row
@@ -71,13 +74,18 @@ export function drawColumn(ink, look) {
 const DASHES = [8, 3, 2, 3]; // of the lines at bit radius
 const ROWS = [11, 27, 42, 57]; // y of the rows of words in the head, above the letters
 
-// Place lines of words beside and below the controls of the hole. Each line has several texts: the first one that fits, and
-// leaves rows for the later lines, is taken. The result is null for a line without room.
-/** @param {Ink} ink @param {Rect} rect @param {string[][]} lines */
-function inRows(ink, rect, lines) {
+// Return the rows beside and below the controls of the hole, with their widths.
+/** @param {Rect} rect */
+function headRows(rect) {
   const controls = byId('wallHead');
-  const shown = /** @type {HTMLElement[]} */ ([...controls.children]).filter((one) => one.offsetWidth);
-  const rows = ROWS.map((y) => ({ y, room: Math.min(rect.width + 6, ...shown.filter(({ offsetTop: top, offsetHeight: tall }) => y + 7 > top && y - 7 < top + tall).map((one) => one.offsetLeft)) - 10 }));
+  const shown = /** @type {HTMLElement[]} */ ([...controls.children]).filter((one) => one.offsetWidth).map(({ offsetTop: top, offsetHeight: tall, offsetLeft: left }) => ({ top, bottom: top + tall, left }));
+  return ROWS.map((y) => ({ y, room: Math.min(rect.width + 6, ...shown.filter(({ top, bottom }) => y + 7 > top && y - 7 < bottom).map(({ left }) => left)) - 10 }));
+}
+
+// Place lines of words in rows. Each line has several texts: the first one that fits, and leaves rows for the later lines, is
+// taken. The result is null for a line without room.
+/** @param {Ink} ink @param {ReturnType<typeof headRows>} rows @param {string[][]} lines */
+function inRows(ink, rows, lines) {
   return lines.map((texts, i) => {
     ink.font = i ? SMALL : BOLD;
     for (const text of texts) {

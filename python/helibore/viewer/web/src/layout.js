@@ -142,7 +142,7 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
   ink.textAlign = align;
   ink.textBaseline = baseline;
   const { labels, strokes } = ink.canvas;
-  const at = boxOf(ink, text, left, top);
+  const at = boxOf(ink, text, left, top, `${font ?? ink.font}|${align}|${baseline}|${text}`);
   /** @type {(of: Pair, margin: number) => Box} */
   const box = ([dx, dy], wide) => ({ text, left: at.left + dx - wide, right: at.right + dx + wide, top: at.top + dy - wide, bottom: at.bottom + dy + wide });
   /** @type {(of: Pair) => boolean} */
@@ -180,9 +180,8 @@ const HERE = [0, 0];
 /** @type {Map<string, TextMetrics>} */
 const measured = new Map(); // most texts of a picture are those of the last one
 
-/** @param {Ink} ink @param {string} text @param {number} x @param {number} y */
-function boxOf(ink, text, x, y) {
-  const key = [ink.font, ink.textAlign, ink.textBaseline, text].join();
+/** @param {Ink} ink @param {string} text @param {number} x @param {number} y @param {string} key */
+function boxOf(ink, text, x, y, key) {
   if (measured.size > 2000) measured.clear();
   const metrics = measured.get(key) ?? ink.measureText(text);
   measured.set(key, metrics);

@@ -95,10 +95,17 @@ export function printScale({ length }, image) {
   return SCALES.reduce((best, one) => (off(one) < off(best) ? one : best));
 }
 
+// Write the value of a control. One that stands there already is not written, as the browser would draw the control anew.
+/** @param {'cut' | 'pass' | 'units' | 'median' | 'camera' | 'tube' | 'shape' | 'sectionLength' | 'goTo' | 'quantity' | 'map' | End} id @param {string} value */
+function set(id, value) {
+  const at = byId(id);
+  if (at.value !== value) at.value = value;
+}
+
 // Show the view's own settings in the controls, whoever changed them.
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
-  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) byId(id).value = String(view[id]);
+  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) set(id, String(view[id]));
   byId('tube').hidden = view.camera === 'straight';
   byId('fit').hidden = view.camera !== 'outside';
   byId('fly').hidden = byId('film').hidden = !isInside(view);
@@ -106,14 +113,14 @@ export function reflect(view, quantity, image) {
   const { depth } = LENGTHS[view.units];
   sections(depth);
   const length = SECTIONS.find((one) => Math.abs(one / depth.scale - view.length) < 1e-6 * view.length);
-  byId('sectionLength').value = paper ? `1:${paper}` : length ? String(length / depth.scale) : '';
-  if (document.activeElement !== byId('goTo')) byId('goTo').value = (view.middle * depth.scale).toFixed(1);
+  set('sectionLength', paper ? `1:${paper}` : length ? String(length / depth.scale) : '');
+  if (document.activeElement !== byId('goTo')) set('goTo', (view.middle * depth.scale).toFixed(1));
   say('beside', view.beside.includes(quantity.id) ? 'Alone' : 'Beside');
   for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
   say('follow', view.follow ? 'Following' : 'Follow bit');
-  byId('quantity').value = quantity.id;
-  byId('map').value = quantity.map;
+  set('quantity', quantity.id);
+  set('map', quantity.map);
   byId('log').checked = quantity.log;
   byId('dynamic').checked = quantity.dynamic;
   byId('inView').checked = quantity.inView;
@@ -121,7 +128,7 @@ export function reflect(view, quantity, image) {
   for (const end of /** @type {const} */ (['low', 'high'])) {
     const input = byId(end);
     const value = quantity[end] * scale;
-    if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(5))) : '';
+    if (document.activeElement !== input) set(end, Number.isFinite(value) ? String(Number(value.toPrecision(5))) : '');
     input.disabled = quantity.dynamic || quantity.inView;
   }
   const unit = unitOf(quantity, view.units);
@@ -167,7 +174,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   const values = Object.fromEntries([...read, ...figures]);
   byId('briefDepth').textContent = showDepth(depth, view.units);
   const zone = zoneAt(zones, depth);
-  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : 'no zone'; // one line, always: the log below keeps its height
+  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone'; // one line, always: the log below keeps its height
   byId('briefZone').style.borderColor = zone ? PALETTES[view.theme].zones[zone.kind] : '';
   const lacks = typeof view.cursor?.toolface === 'number' ? 'no data' : 'tap image'; // a depth alone is on no quad
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
