@@ -25,15 +25,15 @@ from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
 
-MOVED = 1.0
+MOVED = 0.5
 """Metres that the bit must move in one direction until what lies there is looked at."""
-SHARE = 20.0
-"""Looking takes at most one part in so many of the time."""
+SHARE, SHARE_ON_BOTTOM = 20.0, 100.0
+"""Looking takes at most one part in so many of the time, of a tripped bit and of one on bottom."""
 
 
 @dataclass(frozen=True)
 class TightAhead:
-    """Tight hole ahead of the bit.
+    """Tight hole ahead of the bit; while the bit is on bottom, on its way out.
 
     Attributes
     ----------
@@ -51,6 +51,11 @@ class TightAhead:
         The number of tight places ahead.
     worst
         Ends, metres, and how much too thick the string is, at the tightest of these; None if it is this one.
+    tightest
+        Of this place and of the worst, if it is another: the depth of the bit at which the string is tightest there,
+        metres, and the number of the body that sticks.
+    moving
+        Whether the bit is tripped; it is on bottom otherwise.
     text
         This place in words, without what changes as the bit comes nearer.
     """
@@ -65,6 +70,8 @@ class TightAhead:
     text: str
     places: int = 1
     worst: tuple[float, float, float] | None = None
+    tightest: tuple[tuple[float, int], ...] = ()
+    moving: bool = True
 
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
@@ -82,20 +89,24 @@ class Ahead:
         self.found: TightAhead | None = None
 
     def look(self) -> TightAhead | None:
-        """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet."""
+        """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet.
+
+        Of a bit on bottom, `found` has what is tight on its way out.
+        """
         model, limits = self._live.model, self._live.configuration.alarms
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
-        if not bit or limits.tight is None or not limits.ahead or model.rig.on_bottom:
+        if not bit or limits.tight is None or not limits.ahead:
             self._from, self._moves, self.found = math.nan, False, None
             return None
-        self._follow(bit[0])
-        if not self._moves:
-            self.found = None
-        elif time.monotonic() >= self._due:
+        if on_bottom := model.rig.on_bottom:
+            self._from, self._moves, self._up = math.nan, False, True
+        else:
+            self._follow(bit[0])
+        if (self._moves or on_bottom) and time.monotonic() >= self._due:
             began = time.monotonic()
             self.found = self._tight(bit[0], limits)
-            self._due = time.monotonic() + SHARE * (time.monotonic() - began)
-        return self.found
+            self._due = time.monotonic() + (SHARE_ON_BOTTOM if on_bottom else SHARE) * (time.monotonic() - began)
+        return self.found if self._moves else None
 
     def _follow(self, bit: float) -> None:
         """Find out in which direction the bit has moved by MOVED."""
@@ -112,7 +123,12 @@ class Ahead:
         configuration = self._live.model.configuration
         size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
         string = configuration.string or (RigidBody(size, limits.body),)
-        thin = [replace(body, diameter=max(0.0, min(body.diameter, size - tight))) for body in string]
+        # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches, which is
+        # looked for up to half of the limit: in a hole as wide as the bit, noise of the samples is not tight.
+        thin, touching = (
+            [replace(body, diameter=max(0.0, min(body.diameter, size - least))) for body in string]
+            for least in (tight, 0.5 * tight)
+        )
         length = max(body.position + body.length for body in string)
         above, below = (ahead, 0.0) if self._up else (0.0, ahead)
         stretch = self._stretch(bit - above - length, bit + below, length)
@@ -123,14 +139,26 @@ class Ahead:
         travel = bit - lower if self._up else lower - bit
         order = np.argsort(travel, kind="stable")  # from what the string meets first
         order = order[(travel[order] >= -found.height) & (travel[order] <= ahead)]
-        runs = [order[first:stop] for first, stop in runs_of(found.clearance[order] < 0)]
+        touches = passage_of(stretch, touching, upper_limit=True).clearance[order] < 0
+        runs, end = [], 0
+        for first, stop in runs_of(found.clearance[order] < 0):
+            while first > end and touches[first - 1]:
+                first -= 1
+            runs.append(order[first:stop])
+            end = stop
         if not runs:
             return None
         spots = [self._spot(found, rows) for rows in runs]
-        top, bottom, passes, number = spots[0]
+        top, bottom, passes, number, row = spots[0]
         body = string[number]
-        places = _joined([(start, stop, string[of].diameter - least) for start, stop, least, of in spots])
+        places = _joined([(start, stop, string[of].diameter - least) for start, stop, least, of, _ in spots])
         worst = max(places, key=lambda place: place[2])
+        is_nearest = worst[0] <= top <= worst[1]
+        tightest = [(round(float(lower[row]), 2), number)]
+        if not is_nearest:
+            inside = [spot for spot in spots if worst[0] <= spot[0] <= worst[1]]
+            *_, of, at = max(inside, key=lambda spot: string[spot[3]].diameter - spot[2])
+            tightest.append((round(float(lower[at]), 2), of))
         name = body.name or ("bit" if body.position == 0 else f"body {number + 1}")
         sizes = f"{1e3 * passes:.1f} mm pass at most, the {name} has {1e3 * body.diameter:.1f} mm"
         side = "above" if self._up else "below"
@@ -138,16 +166,21 @@ class Ahead:
         return TightAhead(
             round(float(lower[runs[0][0]]), 2), self._up, round(top, 2), round(bottom, 2), name,
             round(passes, 4), body.diameter, text, len(places),
-            None if worst[0] <= top <= worst[1] else (round(worst[0], 2), round(worst[1], 2), round(worst[2], 4)),
+            None if is_nearest else (round(worst[0], 2), round(worst[1], 2), round(worst[2], 4)), tuple(tightest),
+            self._moves,
         )  # fmt: skip
 
-    def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int]:
-        """Return the ends of a tight place, what passes at most of the body that sticks first, and its number."""
-        number = int(found.contact_body[rows[0], 0])
+    def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int, int]:
+        """Return the ends of a tight place, what passes at most of the body that sticks first, its number, and where.
+
+        The last is the row of ``found`` in which this body is tightest.
+        """
+        number = int(found.contact_body[rows[found.clearance[rows] < 0][0], 0])
         of_body = rows[found.contact_body[rows, 0] == number]
         touched = found.contact_depth[of_body, 0]
-        passes = found.string[number].diameter + float(found.clearance[of_body].min())
-        return float(touched.min()), float(touched.max()), passes, number
+        row = int(of_body[np.argmin(found.clearance[of_body])])
+        passes = found.string[number].diameter + float(found.clearance[row])
+        return float(touched.min()), float(touched.max()), passes, number, row
 
     def _stretch(self, top: float, bottom: float, beyond: float) -> WallState | None:
         """Return the whole turns between two depths, with the samples that decide what is sampled there.

@@ -20,6 +20,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from statistics import NormalDist
 from typing import Any, Protocol
 
 import numpy as np
@@ -43,7 +44,7 @@ from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
 from helibore.viewer.scene import FRAME_STEP, MOST_POINTS, Attribute, History, PathFrames, Scene, WallShape
-from helibore.viewer.texels import Vertices
+from helibore.viewer.texels import NORMAL_95, Vertices
 
 CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
@@ -233,6 +234,7 @@ class Feed:
                 stale = True
                 zones_due = time.monotonic() + max(ZONES_SECONDS, SHARE * (time.thread_time() - began))
             self.find_clearance_above_bit()
+            self.find_chances_ahead()
             began = time.thread_time()
             if stale and time.monotonic() >= string_due:
                 self._find_clearance()
@@ -366,6 +368,26 @@ class Feed:
         numbers = {name: round(value, 5) if math.isfinite(value) else None for name, value in size.items()}
         body = above[found.body].name or "string"
         self._hang(above_bit={"body": body, **numbers, "at_most": found.at_most, "short": round(short, 2)})
+
+    def find_chances_ahead(self) -> None:
+        """Set the probability that the string sticks in the nearest and in the worst tight place ahead of the bit."""
+        ahead = self.scene.state.ahead
+        if not self._string or self._shape.basis != "azimuthal":
+            return
+        chances = tuple(self._chance(lower, self._string[body]) for lower, body in (ahead or {}).get("tightest", ()))
+        if chances != self.scene.state.ahead_sure:
+            self.scene.update_state(ahead_sure=chances)
+
+    def _chance(self, lower_end: float, body: RigidBody) -> float | None:
+        """Return the probability that a body sticks where the string's lower end is at a depth; None: not known."""
+        if self._measured is None:
+            return None
+        wall, sigma = self._measured
+        found = hanging_at(wall, [body], lower_end, getattr(wall, "sampled", None), sigma)
+        if found is None or not math.isfinite(found.low):
+            return None
+        deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
+        return round(NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0), 3)
 
     def _hang(self, **changes: Any) -> None:
         bodies = [[body.diameter, body.length, body.position] for body in self._string]

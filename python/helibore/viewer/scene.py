@@ -187,6 +187,8 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # Tight hole ahead of a bit that is tripped, a `helibore.live.ahead.TightAhead`; None: none is known.
     ahead: Mapping[str, Any] | None = None
+    # Probability that the string sticks there and in the worst place, if it is another; None: not known.
+    ahead_sure: tuple[float | None, ...] = ()
 
 
 class History:

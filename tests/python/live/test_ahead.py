@@ -41,11 +41,11 @@ class Trip:
 def test_pulling_out_says_what_lies_above_the_bit():
     trip = Trip()
     trip.to(130.0)
-    trip.to(129.5)
+    trip.to(129.7)
     assert trip.said == []  # it has hardly moved
     trip.to(127.0)
     (text,) = trip.said
-    assert text.startswith("tight hole above the bit at 127.0 m: from 118.1 to 118.9 m 206.0 mm pass at most, the bit")
+    assert text.startswith("tight hole above the bit at 127.0 m: from 118.1 to 119.0 m 206.0 mm pass at most, the bit")
     found = trip.alarms.ahead.found
     assert found is not None
     assert (found.body, found.places, found.worst) == ("bit", 1, None)
@@ -87,6 +87,31 @@ def test_no_alarm(alarms, path):
     for bit in path:
         trip.to(bit)
     assert trip.said == []
+
+
+def test_a_body_sticks_where_it_touches_and_not_where_the_limit_is_reached():
+    """The hole narrows over a metre: a body of 214 mm touches at 214 mm, far above the 210 mm of the limit."""
+    trip = Trip("tight = 0.006\nbody = 0.3\n", more='[[string]]\ndiameter = "214mm"\nlength = 0.3\n')
+    draw = np.random.default_rng(6)
+    depth = np.sort(draw.uniform(111, 112, 1800))
+    trip.live.append_samples(depth, draw.uniform(0, 360, 1800), 0.109 - 0.008 * (112 - depth))
+    for bit in (117.0, 115.0):
+        trip.to(bit)
+    found = trip.alarms.ahead.found
+    assert found.sticks_at == pytest.approx(112 - 2 / 8 + 0.3, abs=0.15)
+    assert found.tightest[0][0] < found.sticks_at - 0.4
+
+
+def test_on_bottom_the_way_out_is_known_and_no_alarm():
+    trip = Trip()
+    trip.to(126.0, hole=126.1)
+    found = trip.alarms.ahead.found
+    assert (found.above, found.moving, trip.said) == (True, False, [])
+    assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
+    trip.to(125.0, hole=126.1)  # picked up
+    trip.to(124.4, hole=126.1)
+    assert trip.alarms.ahead.found.moving
+    assert trip.said
 
 
 def test_on_bottom_nothing_is_ahead():
@@ -200,7 +225,7 @@ def test_limits_beyond_all_reason_cost_no_memory_and_raise_nothing():
     trip = Trip(alarms="tight = 0.006\nahead = 1e9\n")
     for bit in (129.5, 127.0):
         trip.to(bit)
-    assert "from 118.1 to 118.9 m" in trip.said[0]
+    assert "from 118.1 to 119.0 m" in trip.said[0]
     stretch = trip.alarms.ahead._stretch(-1e9, 1e9, 0.3)
     assert stretch is not None
     assert len(stretch.radius) < 2 * len(trip.live.wall)

@@ -69,6 +69,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         ]
         tight = {"sticks_at": 1025.2, "above": True, "top": 1010.0, "bottom": 1011.5, "body": "stabiliser"}
         tight |= {"diameter": 0.2071, "needed": 0.2127, "places": 2, "worst": (1003.0, 1004.0, 0.0112)}
+        tight |= {"tightest": ((1024.9, 1), (1017.2, 1)), "moving": True}
         alarms = ("tight ahead: tight hole above the bit at 1033.4 m", "tight: at 1003.20 m the diameter is")
         scene.update_state(bit_depth=1033.4, newest=now - 240, received=now, channels=7, ahead=tight, alarms=alarms)
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
@@ -77,10 +78,14 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         screen.settle()
         cell = "['Head', '', 'More'].map((part) => document.getElementById('rigNext' + part).textContent)"
         head, digits, more = screen.evaluate(cell)
-        assert (head, digits) == ("Tight above, stabiliser sticks in", "8.2 m")
-        assert more == "207 of 213 mm at 1011.5 m"
+        assert (head, digits) == ("Tight above: stabiliser sticks in", "8.2 m")
+        assert more == "hole 207 for 213 mm, 1010.0–1011.5 m"
         worst = screen.evaluate(cell.replace("rigNext", "rigWorst"))
-        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m, 29 m above bit"]
+        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m, in 16 m"]
+        scene.update_state(ahead_sure=(0.62, 0.9999))
+        screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
+        assert screen.evaluate(cell)[1] == "8.2 m, 62 % sure"
+        assert screen.inner_text("#rigWorst") == "−11 mm, 99 % sure"
         section = screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]")
         assert section[0] < 1003
         assert section[1] > 1033.4, "what is named is in the picture"
@@ -93,10 +98,13 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         scene.update_state(bit_depth=end - 6.5)
         screen.until("document.getElementById('rigLagHead').textContent === 'Bit back in the hole'")
         assert screen.inner_text("#rigLag") == "6.5 m"
-        assert screen.evaluate(cell)[:2] == ["Tight above, stabiliser sticks", "now "]
+        assert screen.evaluate(cell)[:2] == ["Tight above: stabiliser sticks", "now "]
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []
+        scene.update_state(ahead=tight | {"moving": False}, bit_depth=1033.4)
+        screen.until("document.getElementById('rigNextHead').textContent === 'On the way out: stabiliser sticks in'")
+        assert screen.evaluate("document.getElementById('rigNextCell').className") == ""
         scene.update_state(channels=0, ahead=None)
         screen.until("document.getElementById('rigChannels').hidden")
         screen.until("document.getElementById('rigNextHead').textContent.startsWith('Hole size')")

@@ -327,6 +327,21 @@ def test_a_part_of_a_helix_is_followed_append_by_append() -> None:
         until(lambda: follows(viewer.scene, wall) and viewer.scene.settled == wall.settled - 800)
 
 
+def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> None:
+    rng = np.random.default_rng(12)
+    depth = np.arange(2000.0, 2024.0, 0.002)
+    radius = np.where(abs(depth - 2018) < 0.5, 0.104, 0.1085) + rng.normal(0, 2e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
+    string = [hb.RigidBody(0.212, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 3.0, "stabiliser")]
+    with hb.view(wall, string=string) as viewer:
+        viewer.scene.update_state(ahead={"tightest": ((2018.2, 0), (2021.3, 1), (2040.0, 0))})
+        until(lambda: len(viewer.scene.state.ahead_sure) == 3)
+        bit, stabiliser, beyond = viewer.scene.state.ahead_sure
+        assert bit > 0.99
+        assert stabiliser < 0.01
+        assert beyond is None, "no wall there"
+
+
 def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle(golden: Golden) -> None:
     rng = np.random.default_rng(6)
     depth = 1000 + np.sort(rng.uniform(0, 4, 4000))

@@ -57,6 +57,8 @@ export class App {
   channels = 0; // version of the picture of the rig's channels; 0: there are none
   /** @type {TightAhead | null} */
   ahead = null; // tight hole ahead of a bit that is tripped
+  /** @type {(number | null)[]} */
+  aheadSure = []; // probability that the string sticks there, and in the worst place
   prints = false; // whether the server prints sections
   meshes = false; // whether it writes meshes
   /** @type {number | null} */
@@ -207,8 +209,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew

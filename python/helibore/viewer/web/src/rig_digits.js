@@ -5,7 +5,7 @@ import { byId, say } from './dom.js';
 import { isSilent, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent, worstPlace } from './rig.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { IN_WORDS, sureText } from './zones.js';
+import { IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const MARGIN = 40; // pixels of a cell that its texts leave free
@@ -48,11 +48,13 @@ export function writeDigits(app) {
   writeWorst(app, [top, bottom]);
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   const bitSize = `bit ${size(2 * store.bitRadius)}`;
-  byId('rigNextCell').className = ahead ? 'new' : '';
+  byId('rigNextCell').className = ahead && ahead.moving !== false ? 'new' : '';
   if (ahead) {
     const left = bit === null ? NaN : (bit - ahead.sticks_at) * (ahead.above ? 1 : -1); // from the bit depth of now
     const [digits, inUnit] = left > 0.05 ? parts(showDepth(left, view.units, 1)) : ['now', ''];
-    cell('rigNext', `Tight ${ahead.above ? 'above' : 'below'}, ${ahead.body} sticks${inUnit && ' in'}`, digits, inUnit, `${size(ahead.diameter)} of ${size(ahead.needed)} ${unit} at ${showDepth(ahead.above ? ahead.bottom : ahead.top, view.units, 1)}`);
+    const sure = app.aheadSure[0];
+    const where = ahead.moving === false ? 'On the way out' : `Tight ${ahead.above ? 'above' : 'below'}`;
+    cell('rigNext', `${where}: ${ahead.body} sticks${inUnit && ' in'}`, digits, inUnit && `${inUnit}${typeof sure === 'number' ? `, ${percent(sure)} sure` : ''}`, `hole ${size(ahead.diameter)} for ${size(ahead.needed)} ${unit}, ${showSpan(ahead.top, ahead.bottom, view.units)}`);
   } else {
     const head = `Hole size, last ${showDepth(bottom - top, view.units, 0)}`;
     if (measured) cell('rigNext', head, size(summary.mean_diameter), unit, `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, ${bitSize}`);
@@ -91,8 +93,9 @@ function writeWorst(app, ends) {
     const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
     const above = bit === null ? NaN : bit - worst.stop;
     const below = bit === null ? NaN : worst.start - bit;
-    const away = above > 0 ? `, ${showDepth(above, units, 0)} above bit` : below > 0 ? `, ${showDepth(below, units, 0)} below bit` : '';
-    return cell('rigWorst', head, digits, `${unit}${worst.zone ? `, ${sureText(worst.zone)} sure` : ''}`, `${showSpan(worst.start, worst.stop, units)}${away}`);
+    const left = bit === null ? NaN : (bit - worst.bitAt) * (ahead?.above ? 1 : -1); // as the tile of what sticks counts
+    const away = left > 0 ? `, in ${showDepth(left, units, 0)}` : ahead ? '' : above > 0 ? `, ${showDepth(above, units, 0)} above bit` : below > 0 ? `, ${showDepth(below, units, 0)} below bit` : '';
+    return cell('rigWorst', head, digits, `${unit}${Number.isNaN(worst.sure) ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${away}`);
   }
   if (store.basis === 'gauge') return cell('rigWorst', head, '–', '', 'not measured');
   if (zonesTo === null) return cell('rigWorst', head, 'looking', '', 'for zones');

@@ -112,9 +112,9 @@ interface Handshake {
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
-interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null }
+interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null; tightest?: [lowerEnd: number, body: number][]; moving?: boolean }
 interface State {
-  channels?: number; ahead?: TightAhead | null;
+  channels?: number; ahead?: TightAhead | null; ahead_sure?: (number | null)[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; zones_to?: number | null; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }

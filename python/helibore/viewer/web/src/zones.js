@@ -17,7 +17,10 @@ const SURE = 0.8;
 /** @param {Zone} zone */
 export const isSure = ({ confidence }) => confidence >= SURE;
 /** @param {Zone} zone */
-export const sureText = ({ confidence }) => `${Math.min(99, Math.round(100 * confidence))} %`;
+export const sureText = ({ confidence }) => percent(confidence);
+// Nothing is certain.
+/** @param {number} share */
+export const percent = (share) => `${Math.min(99, Math.round(100 * share))} %`;
 /** @param {Zone} zone */
 export const sentence = (zone) => `${zone.kind}, ${sureText(zone)} sure`;
 
