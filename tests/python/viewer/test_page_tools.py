@@ -224,7 +224,7 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     light = [inside[(far > r) & (far < r + 20)].mean() for r in (30, 60, 150)]
     assert light[0] < light[1] < light[2], "lit from the eye"
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert any(text.startswith("inside, down   tube") for text in labels)
+    assert any(text.startswith("inside, down   high side up   tube") for text in labels)
     assert "1012.0 m" in labels or "1012 m" in labels
     up = screen.evaluate(
         "(() => { const { app } = window.__wall; const d = app.view.top + 2;"
@@ -860,7 +860,10 @@ def test_tops_cross_all_tracks_and_the_plan_runs_beside_the_hole(browser: Any, t
         assert screen.readout()["Interval"] == "Hugin"
         screen.evaluate("window.__wall.app.view.choose({ camera: 'outside' })")
         screen.settle()
-        assert any(one["text"] == "Hugin –" for one in screen.evaluate("document.getElementById('ink').labels"))
+        labels, left = screen.evaluate(
+            "[document.getElementById('ink').labels, window.__wall.app.renderer.rects.wall.left]"
+        )
+        assert any(one["text"] == "Hugin" and one["left"] > left for one in labels), "beside the hole"
         shown = screen.evaluate("window.__wall.app.store.plan")
         assert np.abs(np.array(shown[-1]) - plan.position([2100.0])[0]).max() < 0.01
         picture = "document.getElementById('ink').toDataURL()"
