@@ -28,7 +28,7 @@ from helibore.wall.wall_columns import NEAR_DEPTH
 MOVED = 0.5
 """Metres that the bit must move in one direction until what lies there is looked at."""
 SHARE, SHARE_ON_BOTTOM = 20.0, 100.0
-"""Looking takes at most one part in so many of the time, of a tripped bit and of one on bottom."""
+"""Looking takes at most one part in so many of a processor's time, for a tripped bit and for one on bottom."""
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,9 @@ class Ahead:
         else:
             self._follow(bit[0])
         if (self._moves or on_bottom) and time.monotonic() >= self._due:
-            began = time.monotonic()
+            began = time.thread_time()
             self.found = self._tight(bit[0], limits)
-            self._due = time.monotonic() + (SHARE_ON_BOTTOM if on_bottom else SHARE) * (time.monotonic() - began)
+            self._due = time.monotonic() + (SHARE_ON_BOTTOM if on_bottom else SHARE) * (time.thread_time() - began)
         return self.found if self._moves else None
 
     def _follow(self, bit: float) -> None:
