@@ -41,6 +41,7 @@ _RIVAL = 0.8  # another shift is a rival if it gains more than this share of wha
 _AT_ONCE = 4  # most passes in place with which a pass is matched, those that it overlaps most
 _REPORTED = 0.01  # share of the rows whose shift is not known, from which a pass is reported
 _REPEATED = 0.6  # correlation of a hole with itself, moved, from which it repeats itself
+_REPEATED_TO_AND_FRO = 0.55  # the same for a path that moves to and fro, which can follow a repeat more easily
 _TURNS = 3  # most times that a pass is turned
 _VAGUE = 0.04  # metres: median deviation of a shift from which a pass that moves to and fro is refused
 _JUMPED = 0.45  # metres: more than a shift can change where a tool goes to and fro
@@ -296,7 +297,7 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
         over = "shifts far from it" if np.isnan(second) else f"a shift that is {second:+.2f} m more"
         by = f"the best shift gains only {lead:.1f} over {over}, less than {_LEAST_GAIN:g}"
         return replace(result, reason=f"no clear match, since {by} (logarithm of the likelihood)")
-    if repeats > _REPEATED:
+    if repeats > (_REPEATED if path.wander < RESTLESS else _REPEATED_TO_AND_FRO):
         return replace(result, reason=f"no clear match, since the hole repeats itself (correlation {repeats:.2f})")
     best = f"of all constant shifts, {GRID[int(np.argmax(path.fits.sum(axis=0)))]:+.2f} m fits best"
     best = "" if path.base.any() else f"; {best}"

@@ -121,6 +121,11 @@ def test_a_path_whose_slope_wanders_against_least_squares_of_all_rows():
     assert (evidence[1] > evidence[0]) == (laws[1] > laws[0])
 
 
+def test_a_spiral_of_four_arms_is_refused_although_a_path_to_and_fro_fits():
+    shift = preparation.shift_of("constant", 5605)
+    assert not preparation.found(preparation.periodic("spiral", 5605), "four arms", shift, 5605).found
+
+
 @pytest.mark.parametrize(("tool", "seed"), [("X-Y", 9601), ("X-Y", 9605), ("four arms", 9602)])
 def test_a_step_of_few_arms_is_found_and_not_taken_for_moving_to_and_fro(tool, seed):
     shift = preparation.shift_of("step", seed)
