@@ -50,7 +50,8 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         texts = [cell["text"] for cell in cells]
         assert texts[0] == f"{bit:.1f} m"
         assert texts[1] == f"{bit + 40.5:.1f} m", "the bit was pulled up"
-        assert texts[4] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
+        assert texts[4] == "40.5 m"
+        assert screen.inner_text("#rigLagHead") == "Off bottom"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
         assert re.fullmatch(rf"\+{1000 * worst:.0f} mm, \d+ % sure", texts[2])
         diameter = screen.evaluate("window.__wall.app.figures.summary.mean_diameter")
@@ -96,12 +97,17 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         assert screen.inner_text("#rigLagHead") == "Data end behind bit"
         end = screen.evaluate("window.__wall.app.store.end")
         scene.update_state(bit_depth=end - 6.5)
-        screen.until("document.getElementById('rigLagHead').textContent === 'Bit back in the hole'")
+        screen.until("document.getElementById('rigLagHead').textContent === 'Bit above end of data'")
         assert screen.inner_text("#rigLag") == "6.5 m"
         assert screen.evaluate(cell)[:2] == ["Tight above: stabiliser sticks", "now "]
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []
+        scene.update_state(alarms=("no data rig: nothing for 20 s", "tight ahead: tight hole above the bit at 1033.4 m"))
+        screen.until("document.getElementById('rig').classList.contains('stale')")
+        assert screen.inner_text("#alarmText").lower().startswith("tight ahead"), "the string may stick: before data"
+        scene.update_state(alarms=())
+        screen.until("!document.getElementById('rig').classList.contains('stale')")
         scene.update_state(ahead=tight | {"moving": False}, bit_depth=1033.4)
         screen.until("document.getElementById('rigNextHead').textContent === 'On the way out: stabiliser sticks in'")
         assert screen.evaluate("document.getElementById('rigNextCell').className") == ""
@@ -136,7 +142,7 @@ def test_rig_mode_says_worst_place_how_sure_clearance_and_feed_in_the_words_of_a
         screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
         worst = next(zone for zone in wall.zones().zones if zone.kind == "undergauge")
         head, digits, more = screen.evaluate(f"({cell})('rigWorst')")
-        assert head == "Worst: undergauge, under bit", "before the washout, which is larger"
+        assert head == "Worst: undergauge, under bit size", "before the washout, which is larger"
         assert digits == f"−{-1000 * worst.measure:.0f} mm, {worst.confidence_text} sure"
         assert more == f"{worst.start:.1f}–{worst.stop:.1f} m, {end + 2.5 - worst.stop:.0f} m above bit"
         _, _, more = string_at(end + 7.0, "Stabiliser clears")

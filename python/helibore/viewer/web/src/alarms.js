@@ -9,6 +9,8 @@ import { byConsequence, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
+const READ = 10; // seconds for which rig mode shows the full texts, which cover its digits
+const FIRST = /^tight ahead/; // of the alarms of the feed: the string may stick
 export const ABOUT_HOLE = /^(tight|washout)/; // alarms of the feed that are not about data
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
@@ -37,6 +39,8 @@ export class Alarms {
   /** @type {string[]} */
   silenced = [];
   whole = false; // rig mode shows the whole text
+  /** @type {number | undefined} */
+  closes = undefined; // timer of the whole text
 
   /** @param {App} app */
   constructor(app) {
@@ -67,6 +71,8 @@ export class Alarms {
   /** @param {boolean} whole */
   read(whole) {
     this.whole = whole;
+    clearTimeout(this.closes);
+    if (whole) this.closes = setTimeout(() => this.read(false), 1000 * READ);
     this.app.redraw();
   }
 
@@ -90,7 +96,7 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // Return the texts of the alarms: first those of the feed, the newest first, then the worst new zone and the number of the
+  // Return the texts of the alarms: first those of the feed, tight hole ahead and then the newest, then the worst new zone and the number of the
   // other new zones. If `short` is true, the texts are short.
   /** @param {Units} units @param {boolean} short @returns {string[]} */
   texts(units, short) {
@@ -98,7 +104,8 @@ export class Alarms {
     const more = others.length ? ` and ${others.length} more` : '';
     const place = worst && showSpan(worst.start, worst.stop, units);
     const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}, ${sureText(worst)} sure`];
-    return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) + placeOf(one, units) : one)), ...zone];
+    const said = this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => Number(FIRST.test(b)) - Number(FIRST.test(a)));
+    return [...said.map((one) => (short ? shortOf(one) + placeOf(one, units) : one)), ...zone];
   }
 
   /** @param {View} view */

@@ -7,6 +7,7 @@ import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
+const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
 export const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
 /** @type {Record<string, string>} */
 export const SIGNS = { live: '✓', late: '!', lost: '✕' };
@@ -28,6 +29,10 @@ export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() 
 
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
+
+// Whether numbers that the rig sends may be old: it is silent, by the page's limit or by that of its configuration.
+/** @param {App} app */
+export const isStale = (app) => isSilent(app) || app.alarms.feed.some((one) => NO_DATA.test(one));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
@@ -71,7 +76,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
 /** @param {Store} store @param {number} bitDepth @param {Units} units */
 function behind(store, bitDepth, units) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
-  return ahead > -LIFTED ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
+  return ahead > -LIFTED ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit ${showDepth(-ahead, units, 1)} above the end of data`;
 }
 
 // Return the values at the cursor in words, for screen readers.

@@ -279,7 +279,7 @@ export class Picking {
     if (made.kind === BREAKOUT && (made.opening < LEAST.opening || made.height < LEAST.height)) return this.cancel();
     this.dragged = null;
     const before = this.saved.get(made.key);
-    if (this.put(made) && before) this.report(before.depth === made.depth ? 'changed' : `moved by ${showLength(Math.abs(made.depth - before.depth), this.app.view.units)}`, made);
+    if (this.put(made) && before) this.report(before.depth === made.depth ? 'changed' : `moved by ${showDepth(Math.abs(made.depth - before.depth), this.app.view.units)}`, made);
   }
 
   // Say what a gesture or a key did to a pick that was there before.

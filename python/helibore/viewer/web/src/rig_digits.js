@@ -2,7 +2,7 @@
 // or hole size, lag and age of the data.
 
 import { byId, say } from './dom.js';
-import { isSilent, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
+import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent, worstPlace } from './rig.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { IN_WORDS, percent } from './zones.js';
@@ -61,10 +61,12 @@ export function writeDigits(app) {
     else cell('rigNext', head, '–', '', `${store.basis === 'gauge' ? 'not measured' : 'looking'}, ${bitSize} ${unit}`);
   }
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
-  cell('rigLag', lag < -LIFTED ? 'Bit back in the hole' : 'Data end behind bit', Number.isFinite(lag) ? depthNumber(lag < -LIFTED ? -lag : Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
+  const off = bit === null || hole === null ? NaN : hole - bit;
+  const [head, far] = off > LIFTED ? ['Off bottom', off] : lag < -LIFTED ? ['Bit above end of data', -lag] : ['Data end behind bit', Math.max(0, lag)];
+  cell('rigLag', head, Number.isFinite(far) ? depthNumber(far, view.units, 1) : '–', Number.isFinite(far) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
   const [colour, text, word] = lampWords(app);
   const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
-  byId('rig').classList.toggle('stale', colour === 'lost' || isSilent(app));
+  byId('rig').classList.toggle('stale', colour === 'lost' || isStale(app));
   cell('rigAge', 'Data age', age, ageUnit, word ?? text.split(' · ')[0]);
   byId('rigLamp').className = colour;
   byId('rigLamp').textContent = SIGNS[colour] ?? '–';
@@ -99,7 +101,7 @@ function writeWorst(app, ends) {
   }
   if (store.basis === 'gauge') return cell('rigWorst', head, '–', '', 'not measured');
   if (zonesTo === null) return cell('rigWorst', head, 'looking', '', 'for zones');
-  return store.span[1] - zonesTo > ZONES_LATE ? cell('rigWorst', head, 'looking', '', `none to ${showDepth(zonesTo, units, 1)}`) : cell('rigWorst', head, 'none', '', 'no zone');
+  return store.span[1] - zonesTo > ZONES_LATE ? cell('rigWorst', head, 'looking', '', `none to ${showDepth(zonesTo, units, 1)}`) : cell('rigWorst', head, 'none', '', `seen in ${showSpan(ends[0], ends[1], units)}`);
 }
 
 // Write what the string above the bit clears where it is now; or, in hole that no sensor has passed, where it last was in
@@ -110,10 +112,11 @@ function writeString({ view: { units }, string }) {
   /** @param {number} metres */
   const size = (metres) => parts(showSigned(metres, units, units === 'mm' ? (Math.abs(metres) < 1e-3 ? 1 : 0) : 2));
   const body = at ? at.body[0].toUpperCase() + at.body.slice(1) : 'String';
-  const does = !at ? 'clearance' : at.clearance < 0 ? 'sticks' : at.at_most ? 'clears at most' : 'clears';
+  const unsure = at && at.low !== null && at.low < 0; // the interval holds 0
+  const does = !at ? 'clearance' : at.clearance < 0 ? 'sticks' : unsure ? 'may stick' : at.at_most ? 'clears at most' : 'clears';
   const short = at && at.short > 0.05 ? showDepth(at.short, units, 1) : '';
   const head = `${body} ${does}`;
-  byId('rigStringCell').className = at && at.clearance < 0 ? 'new' : '';
+  byId('rigStringCell').className = at && at.clearance < 0 ? 'new' : unsure ? 'zone' : '';
   if (!at) return cell('rigString', head, '–', '', at === undefined ? string?.why || 'no bit depth received' : 'no measured hole beside it');
   const range = at.low === null || at.high === null ? '' : `${size(at.low)[0]} to ${size(at.high)[0]}`;
   const sure = range ? `${range}, 95 % sure` : 'no known uncertainty';

@@ -8,7 +8,7 @@ export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergaug
 // The quantity whose extreme in a zone is `measure`, in short.
 export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least diameter − bit' };
 // The same in a driller's words, in rig mode and in alarms.
-export const IN_WORDS = { washout: 'over bit', breakout: 'out of round', 'key seat': 'slot depth', undergauge: 'under bit' };
+export const IN_WORDS = { washout: 'over bit size', breakout: 'out of round', 'key seat': 'slot depth', undergauge: 'under bit size' };
 const NEAR = 1e-6;
 export const FRONT = 270; // degrees from the left edge of the image to the front of the straightened hole that is not turned
 

@@ -67,7 +67,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
     store: { end: 1050, span: [1000, 1050], levels: [{ pitch }] }, ...more,
   });
   assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit', 'live']);
-  assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit back 2.5 m in the wall');
+  assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit 2.5 m above the end of data');
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
