@@ -40,6 +40,30 @@ double angle_between(double a, double b) {
     return std::min(off, 360.0 - off);
 }
 
+// Returns the order of samples by turn. Those of one turn are roughly in the order of their angles, or in their own.
+std::vector<std::size_t> order_of(const std::vector<std::int64_t>& turn, const std::vector<double>& angle) {
+    const auto [lowest, highest] = std::ranges::minmax(turn);
+    const auto number = [first = static_cast<std::uint64_t>(lowest)](std::int64_t of) {
+        return static_cast<std::uint64_t>(of) - first;
+    };
+    std::vector<std::size_t> order(turn.size());
+    if (number(highest) < turn.size()) {  // mostly: turns are counted, so that each of their sectors has a bin
+        const std::size_t turns = number(highest) + 1, sectors = (turn.size() - 1) / turns + 1;
+        const double in_a_degree = static_cast<double>(sectors) / 360.0;
+        const auto bin = [&](std::size_t i) {
+            return number(turn[i]) * sectors + std::min(sectors - 1, static_cast<std::size_t>(angle[i] * in_a_degree));
+        };
+        std::vector<std::uint32_t> next(turns * sectors + 1);
+        for (std::size_t i = 0; i < turn.size(); ++i) ++next[bin(i) + 1];
+        std::partial_sum(next.begin(), next.end(), next.begin());
+        for (std::size_t i = 0; i < turn.size(); ++i) order[next[bin(i)]++] = i;
+    } else {
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return turn[a] < turn[b]; });
+    }
+    return order;
+}
+
 // The samples with a radius, sorted by turn and toolface: those of a turn form a ring.
 //
 //     turn 7    |  *   *    *     *  |
@@ -63,18 +87,15 @@ class Rings {
             if (!std::isfinite(of) || !std::isfinite(at)) continue;
             row.push_back(i), angle.push_back(at), radius.push_back(of), numbers.push_back(read_once(turns[i]));
         }
+        const auto reorder = [](auto& values, const std::vector<std::size_t>& order) {
+            std::remove_reference_t<decltype(values)> sorted;
+            sorted.reserve(values.size());
+            for (const std::size_t i : order) sorted.push_back(values[i]);
+            values.swap(sorted);
+        };
         if (!std::is_sorted(numbers.begin(), numbers.end())) {
-            std::vector<std::size_t> order(row.size());
-            std::iota(order.begin(), order.end(), std::size_t{0});
-            std::stable_sort(order.begin(), order.end(),
-                             [&](std::size_t a, std::size_t b) { return numbers[a] < numbers[b]; });
-            const auto reorder = [&order](auto& values) {
-                std::remove_reference_t<decltype(values)> sorted;
-                sorted.reserve(values.size());
-                for (const std::size_t i : order) sorted.push_back(values[i]);
-                values.swap(sorted);
-            };
-            reorder(numbers), reorder(row), reorder(angle), reorder(radius);
+            const std::vector<std::size_t> order = order_of(numbers, angle);
+            reorder(numbers, order), reorder(row, order), reorder(angle, order), reorder(radius, order);
         }
         ring.reserve(row.size());
         for (std::size_t i = 0; i < row.size(); ++i) {
