@@ -93,8 +93,11 @@ def view(**options: Any) -> None:
     if options["html"]:
         check_file(options["html"], (".html", ".htm"))
     terminal = Terminal(options["quiet"])
+    several = len(options["source"]) > 1 and all(file.suffix.lower() == ARCHIVE_ENDING for file in options["source"])
+    if several:
+        refuse_options_of_one()
     check_page()
-    if len(options["source"]) > 1 and all(file.suffix.lower() == ARCHIVE_ENDING for file in options["source"]):
+    if several:
         show_wells(options, terminal)
         return
     run = open_run(options, terminal)
@@ -152,15 +155,19 @@ WELLS = ("source", "quiet", "intervals", "intervals_unit", "host", "port", "toke
 """Parameters that go with several archives."""
 
 
+def refuse_options_of_one() -> None:
+    """Raise UsageError if the command line has an option that does not go with several archives."""
+    for parameter in click.get_current_context().command.params:
+        if parameter.name not in WELLS and on_command_line(parameter.name or ""):
+            raise click.UsageError(f"{spelled(parameter.name or '')}: does not go with several archives")
+
+
 def show_wells(options: dict[str, Any], terminal: Terminal) -> None:
     """Show the walls of several archives together, until Ctrl-C."""
     from helibore.base.identity import find_token
     from helibore.runs.run import build_wall, read_run
     from helibore.viewer import view_wells
 
-    for parameter in click.get_current_context().command.params:
-        if parameter.name not in WELLS and on_command_line(parameter.name or ""):
-            raise click.UsageError(f"{spelled(parameter.name or '')}: does not go with several archives")
     walls: dict[str, Wall] = {}
     for file in options["source"]:
         run = open_run(options | {"source": (file,)}, terminal)
