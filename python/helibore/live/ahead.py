@@ -123,8 +123,8 @@ class Ahead:
         configuration = self._live.model.configuration
         size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
         string = configuration.string or (RigidBody(size, limits.body),)
-        # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches, which is
-        # looked for up to half of the limit: in a hole as wide as the bit, noise of the samples is not tight.
+        # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches. This is
+        # looked for up to half of the limit, since in a hole as wide as the bit noise of the samples is not tight.
         thin, touching = (
             [replace(body, diameter=max(0.0, min(body.diameter, size - least))) for body in string]
             for least in (tight, 0.5 * tight)

@@ -103,7 +103,9 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
         assert shown > 50
         assert screen.evaluate(CLIPPED) == []
-        scene.update_state(alarms=("no data rig: nothing for 20 s", "tight ahead: tight hole above the bit at 1033.4 m"))
+        scene.update_state(
+            alarms=("no data rig: nothing for 20 s", "tight ahead: tight hole above the bit at 1033.4 m")
+        )
         screen.until("document.getElementById('rig').classList.contains('stale')")
         assert screen.inner_text("#alarmText").lower().startswith("tight ahead"), "the string may stick: before data"
         scene.update_state(alarms=())
