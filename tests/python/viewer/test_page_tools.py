@@ -130,7 +130,7 @@ def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
         drag(1010.0, 1010.4)
         (pick,) = viewer.scene.picks
         assert pick.depth == pytest.approx(1010.4, abs=0.02)
-        assert "bed at 1010.40 m: moved by 400" in screen.inner_text("#notice")
+        assert "bed at 1010.40 m: moved by 0.40 m" in screen.inner_text("#notice")
         screen.keyboard.press("2")
         screen.settle()
         assert "was a bed" in screen.inner_text("#notice")
