@@ -82,7 +82,7 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         assert (head, digits) == ("Tight above: stabiliser sticks in", "8.2 m")
         assert more == "hole 207 for 213 mm, 1010.0–1011.5 m"
         worst = screen.evaluate(cell.replace("rigNext", "rigWorst"))
-        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m, in 16 m"]
+        assert worst == ["Worst of 2 above", "−11 mm", "1003.0–1004.0 m, 29 m above bit"]
         scene.update_state(ahead_sure=(0.62, 0.9999))
         screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
         assert screen.evaluate(cell)[1] == "8.2 m, 62 % sure"

@@ -20,17 +20,17 @@ export function worstOf(zones, [top, bottom]) {
 }
 
 // Return the worst place: of the tight places ahead of the bit, or else of the zones of the last metres. `sure`: the probability
-// that the string sticks there, or that the zone is of its kind; `bitAt`: where the bit is when the string is tightest there.
+// that the string sticks there, or that the zone is of its kind.
 /** @param {App} app @param {number[]} ends */
 export function worstPlace({ zones, ahead, aheadSure }, ends) {
   if (!ahead) {
     const zone = worstOf(zones, ends);
-    return zone && { ...zone, zone, sure: zone.confidence, bitAt: NaN };
+    return zone && { ...zone, zone, sure: zone.confidence };
   }
   const [start, stop, excess] = ahead.worst ?? [ahead.top, ahead.bottom, ahead.needed - ahead.diameter];
   const at = ahead.worst ? 1 : 0;
   const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [start, stop]);
-  return { start, stop, measure: zone?.measure ?? -excess, zone, sure: aheadSure[at] ?? NaN, bitAt: ahead.tightest?.[at]?.[0] ?? NaN };
+  return { start, stop, measure: zone?.measure ?? -excess, zone, sure: aheadSure[at] ?? NaN };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the worst place. If the bit has

@@ -95,8 +95,8 @@ function writeWorst(app, ends) {
     const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
     const above = bit === null ? NaN : bit - worst.stop;
     const below = bit === null ? NaN : worst.start - bit;
-    const left = bit === null ? NaN : (bit - worst.bitAt) * (ahead?.above ? 1 : -1); // as the tile of what sticks counts
-    const away = left > 0 ? `, in ${showDepth(left, units, 0)}` : ahead ? '' : above > 0 ? `, ${showDepth(above, units, 0)} above bit` : below > 0 ? `, ${showDepth(below, units, 0)} below bit` : '';
+    // Another body meets the place before the bit does, so what is said is where the place is; on the other side, nothing.
+    const away = above > 0 && ahead?.above !== false ? `, ${showDepth(above, units, 0)} above bit` : below > 0 && !ahead?.above ? `, ${showDepth(below, units, 0)} below bit` : '';
     return cell('rigWorst', head, digits, `${unit}${Number.isNaN(worst.sure) ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${away}`);
   }
   if (store.basis === 'gauge') return cell('rigWorst', head, '–', '', 'not measured');
