@@ -59,7 +59,8 @@ export function quantities(store) {
     { id: 'support', name: 'Samples used', mode: Q_SUPPORT, unit: '', low: 0, high: 8, map: 'cividis' },
     { id: 'change', name: 'Change since first pass', mode: Q_CHANGE, length: true, low: -0.01, high: 0.01, map: 'difference' },
   ];
-  const kept = store.basis !== 'gauge' ? wall : own.length ? [] : [{ ...wall[0], name: 'Not measured' }];
+  const measured = own.some(({ map }) => map === 'difference') ? wall.slice(0, -1) : wall; // the difference to an earlier pass is the change
+  const kept = store.basis !== 'gauge' ? measured : own.length ? [] : [{ ...wall[0], name: 'Not measured' }];
   return [...kept, ...own].map((quantity) => ({ dynamic: false, inView: false, log: false, chosen: false, ...quantity }));
 }
 

@@ -119,7 +119,7 @@ export class Selection {
 
   // Show the difference to the earlier pass that the wall was built beside; without one, what later samples of the run changed.
   showChange() {
-    this.setQuantity(this.quantities.find(({ mode, map }) => mode === Q_ATTRIBUTE && map === 'difference')?.id ?? 'change');
+    this.setQuantity(this.quantities.find(({ map }) => map === 'difference')?.id ?? '');
   }
 
   /** @param {Colours} changes */
