@@ -149,7 +149,9 @@ export class Scene {
         const [a, b] = [well, next].map((one) => bed(one, name));
         if (!a || !b) return;
         const rows = [[well, a], [next, b]].map(([one, ends]) => along(/** @type {Pair} */ (ends), STEPS).map((depth) => this.at(/** @type {import('./well.js').Well} */ (one), depth)));
-        if (shown.fence) areas.strip(rows[0], rows[1], colour, 0.32);
+        const [top, base] = [0, 1].map((end) => [well, next].every((one) => drilled(one, name)[end]));
+        if (shown.fence && base) areas.strip(rows[0], rows[1], colour, 0.32);
+        if (!top) return;
         const joined = [a[0], b[0]].map((depth, j) => this.at(j ? next : well, depth));
         areas.strip(joined, joined.map((point) => plus(point, [0, 0, -0.0022 * size])), colour, 0.95);
       });
@@ -285,6 +287,13 @@ export class Scene {
 const around = (point) => Array.from({ length: 36 }, (_, i) => point(10 * i));
 /** @param {Vector} ends @param {number} steps */
 const along = ([start, stop], steps) => Array.from({ length: steps + 1 }, (_, i) => start + ((stop - start) * i) / steps);
+
+// Return whether top and base of a bed lie in the measured hole of the well: only those are joined with another well's.
+/** @param {import('./well.js').Well} well @param {string} name */
+export function drilled({ store }, name) {
+  const [, start, stop] = store.intervals.find(([one]) => one === name) ?? ['', NaN, NaN];
+  return [start >= store.span[0] - 1e-6, (stop ?? Infinity) < store.span[1] - Math.abs(store.levels[0].pitch)];
+}
 
 // Return the part of a bed that lies in the well, null if there is none.
 /** @param {import('./well.js').Well} well @param {string} name @returns {Pair | null} */

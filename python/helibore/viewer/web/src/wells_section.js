@@ -8,7 +8,7 @@ import { edges, line, sharp } from './strokes.js';
 import { intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawImageHead, drawOutside } from './tracks.js';
 import { showDepth, showLength, showQuantity } from './units.js';
-import { bed } from './wells_scene.js';
+import { bed, drilled } from './wells_scene.js';
 
 const NAME = 24; // pixels above the heads, for the names of the wells
 const AXIS = 76;
@@ -149,6 +149,9 @@ export class Section {
       for (const { name, colour } of this.wells.tops) {
         const [a, b] = [one, next].map(({ well, rects, datum }) => (this.wells.hidden.has(name) ? null : bed(well, name)?.map((depth) => this.y(depth - datum, rects))));
         if (!a || !b) continue;
+        const [top, base] = [0, 1].map((edge) => [one, next].every(({ well }) => drilled(well, name)[edge]));
+        if (top) line(ink, left, a[0], right, b[0], colour, [], 2.5);
+        if (!base) continue;
         ink.beginPath();
         for (const [x, y] of [[left, a[0]], [right, b[0]], [right, b[1]], [left, a[1]]]) ink.lineTo(x, y);
         ink.closePath();
@@ -156,7 +159,6 @@ export class Section {
         ink.globalAlpha = 0.45;
         ink.fill();
         ink.globalAlpha = 1;
-        line(ink, left, a[0], right, b[0], colour, [], 2.5);
       }
     });
     ink.restore();
