@@ -8,6 +8,7 @@ import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSp
 import { IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
+const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -112,7 +113,7 @@ function writeString({ view: { units }, string }) {
   /** @param {number} metres */
   const size = (metres) => parts(showSigned(metres, units, units === 'mm' ? (Math.abs(metres) < 1e-3 ? 1 : 0) : 2));
   const body = at ? at.body[0].toUpperCase() + at.body.slice(1) : 'String';
-  const unsure = at && at.low !== null && at.low < 0; // the interval holds 0
+  const unsure = at && at.low !== null && at.high !== null && at.low + at.high < ONE_IN_FOUR * (at.high - at.low); // to stick
   const does = !at ? 'clearance' : at.clearance < 0 ? 'sticks' : unsure ? 'may stick' : at.at_most ? 'clears at most' : 'clears';
   const short = at && at.short > 0.05 ? showDepth(at.short, units, 1) : '';
   const head = `${body} ${does}`;
