@@ -8,6 +8,20 @@ export function options(id, pairs) {
   byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
 }
 
+// Return a function that calls `draw` with the next frame, once, however often it is called before.
+/** @param {() => void} draw */
+export function oncePerFrame(draw) {
+  let scheduled = false;
+  return () => {
+    if (scheduled) return;
+    scheduled = true;
+    requestAnimationFrame(() => {
+      scheduled = false;
+      draw();
+    });
+  };
+}
+
 // Write a text. One that stands there already is not written: the browser would lay the page out anew.
 /** @param {string} id @param {string} text */
 export function say(id, text) {

@@ -7,7 +7,7 @@ import { fitRange, nearBit, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
-import { byId, say, write } from './dom.js';
+import { byId, oncePerFrame, say, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
 import { bindOrbit } from './input.js';
@@ -43,7 +43,6 @@ export class Renderer {
   frames = 0;
   /** @type {number | null} */
   firstPicture = null;
-  scheduled = false;
   fitted = false;
   loading = false; // more.js
   stale = true; // the WebGL canvas shows something else
@@ -65,14 +64,7 @@ export class Renderer {
   /** @param {App} app */
   constructor(app) {
     this.app = app;
-    this.redraw = () => {
-      if (this.scheduled) return;
-      this.scheduled = true;
-      requestAnimationFrame(() => {
-        this.scheduled = false;
-        this.draw();
-      });
-    };
+    this.redraw = oncePerFrame(() => this.draw());
     this.repaint = () => {
       this.stale = true;
       this.redraw();

@@ -7,7 +7,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { drawColourBar } from './color_bar.js';
 import { pen, pixelRatio, sharpen, sized } from './device.js';
-import { byId, options, write } from './dom.js';
+import { byId, oncePerFrame, options, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { FLAT } from './flat.js';
 import { Context } from './gl.js';
@@ -42,7 +42,6 @@ export class Wells {
   /** @type {Set<string>} */
   hidden = new Set(); // names of tops
   quantityId = '';
-  scheduled = false;
   stale = true;
   movedAt = 0;
   cost = 0;
@@ -51,14 +50,7 @@ export class Wells {
   sharpening = undefined;
 
   constructor() {
-    this.redraw = () => {
-      if (this.scheduled) return;
-      this.scheduled = true;
-      requestAnimationFrame(() => {
-        this.scheduled = false;
-        this.draw();
-      });
-    };
+    this.redraw = oncePerFrame(() => this.draw());
     this.view = new View(this.redraw);
     this.view.choose({ camera: 'outside', follow: false, cut: 'north' });
     this.view.followTheme(DARK.matches);
