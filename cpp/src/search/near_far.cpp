@@ -57,7 +57,7 @@ struct NearFar::Scratch {
 
 NearFar::NearFar(const Settings& settings)
     : rule_{},
-      near_((settings.neighbors + 1) / 2),
+      near_((3 * settings.neighbors + 7) / 8),
       wanted_(settings.neighbors),
       short_(metric_of(settings, 0, near_)),
       long_(metric_of(settings, long_term(settings), near_)),

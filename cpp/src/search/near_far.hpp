@@ -3,7 +3,7 @@
 // The vertices 8 g to 8 g + 7 of the helix share their neighbours, and so one system of equations with a right side for
 // each (kernel/near_far.hpp). These are, each sample once:
 //
-//     near, short metric      for each vertex, the V / 2 nearest by hypot(R turn / around, depth / along) of term 1
+//     near, short metric      for each vertex, the 3 V / 8 nearest by hypot(R turn / around, depth / along) of term 1
 //     near, long metric       the same by term 2: along an arm, into the next turn
 //     far                     the V of a thinned set that are nearest to the group in the long metric: on all sides
 //

@@ -70,7 +70,7 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
 
     long = terms[min(1, len(terms) - 1)]
     far = np.isin(np.arange(depth.size), thinned(depth, toolface, at, *long[1:], turns))
-    near = (settings.neighbors + 1) // 2
+    near = (3 * settings.neighbors + 7) // 8
     places = np.column_stack([wall.depth, wall.toolface])
     assert len(places) % 8 == 0
 

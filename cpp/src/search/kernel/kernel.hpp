@@ -69,12 +69,12 @@ struct alignas(64) KrigingRoom {
     double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
 };
 
-// The equations of a group that shares its neighbours, and the factors of the elimination.
+// The equations of a group that shares its neighbours, and the factors of eight rows of the elimination.
 inline constexpr int most_shared = 21;  // of Settings::neighbors
-inline constexpr int max_shared = 200;  // neighbours: 2 * lanes * 11 + 21 = 197 at most; a multiple of `lanes`
+inline constexpr int max_shared = 152;  // neighbours: 2 * lanes * 8 + 21 = 149 at most; a multiple of `lanes`
 struct alignas(64) SharedRoom {
     double row[max_shared][max_shared + 2 * lanes];
-    double factor[max_shared][max_shared];
+    double factors[max_shared * lanes];
 };
 
 // Settings::covariance, as the kernel reads it: squares of distances times these factors are 3 h^2.

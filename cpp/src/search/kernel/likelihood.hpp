@@ -161,7 +161,7 @@ bool block_likelihood(const Block& block, const CovarianceRule& rule, bool slope
         fill_block<P, true>(block, rule, room);
     else
         fill_block<P, false>(block, rule, room);
-    eliminate<P>(size, slopes ? length : size + lanes, 1e-300, room.rows, length, room.factors, size, room.inverses);
+    eliminate<P>(size, slopes ? length : size + lanes, 1e-300, room.rows, length, room.factors, room.inverses);
     double square = 0.0, mean = 0.0;
     terms.ones = 0.0;
     for (int k = 0; k < block.n; ++k) {

@@ -116,20 +116,21 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const Candidate*
 
 // Eliminates eight rows at a time: of each pack of columns, first what the rows above take from it, then what the eight
 // rows take from each other. Sums run in the order of the rows. A row has `columns` columns, of which the first `size`
-// are the matrix.
+// are the matrix. `factors` has room for 8 * size: what the rows above take of each of the eight.
 template <class P>
 __attribute__((noinline)) void eliminate(int size, int columns, double least_pivot, double* rows, int row_length,
-                                         double* factors, int factor_length, double* inverse) {
+                                         double* factors, double* inverse) {
     for (int top = 0; top < size; top += lanes) {
         P tile[lanes];
         double inner[lanes][lanes];
         double* const first = rows + static_cast<std::ptrdiff_t>(top) * row_length;
-        double* const factor = factors + static_cast<std::ptrdiff_t>(top) * factor_length;
+        const double* left = rows + top;
+        for (int k = 0; k < top; ++k, left += row_length) (P::load(left) * P(inverse[k])).store(factors + k * lanes);
         const auto load = [&](int column) {
 #pragma GCC unroll 8
             for (int r = 0; r < lanes; ++r) tile[r] = P::load(first + r * row_length + column);
-            const double *above = rows + column, *by = factors + top;
-            for (int k = 0; k < top; ++k, above += row_length, by += factor_length) {
+            const double *above = rows + column, *by = factors;
+            for (int k = 0; k < top; ++k, above += row_length, by += lanes) {
                 const P of_row = P::load(above);
 #pragma GCC unroll 8
                 for (int r = 0; r < lanes; ++r) tile[r] = tile[r] - P(by[r]) * of_row;
@@ -152,7 +153,6 @@ __attribute__((noinline)) void eliminate(int size, int columns, double least_piv
 #pragma GCC unroll 8
             for (int k = 0; k < lanes; ++k) {
                 tile[k].store(first + k * row_length + column);
-                if (column < size) (tile[k] * P(inverse[top + k])).store(factor + k * factor_length + column);
 #pragma GCC unroll 8
                 for (int r = k + 1; r < lanes; ++r) tile[r] = tile[r] - P(inner[k][r]) * tile[k];
             }
@@ -170,8 +170,7 @@ void krige_shared(Group& g, const Candidate* rows, int n, const CovarianceRule& 
     else
         fill_covariances<P, 3>(g, rows, n, size, rule, room);
     double inverse[max_shared];
-    eliminate<P>(size, size + 2 * lanes, rule.noise, room.row[0], max_shared + 2 * lanes, room.factor[0], max_shared,
-                 inverse);
+    eliminate<P>(size, size + 2 * lanes, rule.noise, room.row[0], max_shared + 2 * lanes, room.factors, inverse);
 
     const P depth = P::load(g.depth), toolface = P::load(g.toolface), degree(rule.radius * metres_a_degree);
     double ones = 0.0, mean = 0.0, low = missing_square, high = -missing_square;
