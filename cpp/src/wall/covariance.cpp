@@ -35,11 +35,12 @@ constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
-// A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole. It must
-// gain so much, in all and for each degree a metre, and be likelier than another turn: arms that do not cross often
-// leave two. It must also double the length along the hole, unless its gain is sure.
-constexpr double most_turn = 16.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0};
-constexpr std::size_t turns = 33, long_along = 5;  // index of the length along the hole of the long term
+// A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole; each peak
+// of the likelihood is then climbed. The best must gain so much, in all and for each degree a metre, and be likelier
+// than the others: arms that do not cross often leave several. It must also double the length along the hole, unless
+// its gain is sure.
+constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0};
+constexpr std::size_t turns = 61, long_along = 5;  // index of the length along the hole of the long term
 constexpr double turn_gain = 0.3, turn_cost = 0.03, rival_gain = 0.3, sure_gain = 3.0;  // nats a block
 constexpr double enough = 0.003;  // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
@@ -273,15 +274,16 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
             if (each.value > tried[i].value) tried[i] = each;
         }
     }
-    Place best = tried[0], rival{found.at, few};
-    for (const Place& each : tried)
+    std::vector<Place> peaks;
+    for (std::size_t i = 0; i < turns; ++i)
+        if ((i == 0 || tried[i - 1].value < tried[i].value) && (i + 1 == turns || tried[i + 1].value <= tried[i].value))
+            peaks.push_back(near_turn(tried[i], limits));
+    Place best{found.at, few};
+    for (const Place& each : peaks)
         if (each.value > best.value) best = each;
-    for (const Place& each : tried)
-        if (std::abs(each.turn - best.turn) >= other_turn && each.value > rival.value) rival = each;
-    rival = near_turn(rival, limits);
-    best = near_turn(best, limits);
-    const bool certain = std::abs(best.value - rival.value) > rival_gain;
-    if (rival.value > best.value) best = rival;
+    const bool certain = std::ranges::none_of(peaks, [&](const Place& each) {
+        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - rival_gain;
+    });
     turn_by(best.turn);
     Place turned = climb(best.at, few, limits, 1, 20);
     turned.turn = best.turn;

@@ -169,12 +169,24 @@ def six_arms(turn: float, rate: float) -> hb.Caliper:
     return hb.Caliper(depth, toolface % 360.0, 0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) + noise)
 
 
-@pytest.mark.parametrize(("turn", "rate"), [(0.0, 3.0), (8.0, 3.0), (-5.4, 0.0), (13.7, -7.0)])
+@pytest.mark.parametrize(("turn", "rate"), [(0.0, 3.0), (8.0, 3.0), (-5.4, 0.0), (13.7, -7.0), (25.0, 12.0)])
 def test_the_turn_of_a_breakout_along_the_hole_is_found(turn: float, rate: float) -> None:
     found = fit_covariance(in_depth_order(six_arms(turn, rate)))
     assert found is not None
     assert found.turn == pytest.approx(turn, abs=0.3)
     assert found.turn == 0.0 or found.terms[1].along > 10.0
+
+
+def test_a_turn_is_not_one_under_which_fixed_arms_see_twice_as_many_breakouts() -> None:
+    """By one pass of six fixed arms, two breakouts that turn by 8 degrees a metre look like four that turn by -4."""
+    depth = np.tile(np.arange(0.0, 30.0, 0.05), 6)
+    toolface = np.repeat(np.arange(11.0, 360.0, 60.0), 600)
+    away = (toolface - 40.0 - 8.0 * depth + 90.0) % 180.0 - 90.0
+    noise = np.random.default_rng(5).normal(0.0, 5e-4, depth.size)
+    shape = np.exp(-((away / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2.0))
+    found = fit_covariance(in_depth_order(hb.Caliper(depth, toolface, 0.109 + 0.016 * shape + noise)))
+    assert found is not None
+    assert found.turn == 0.0 or found.turn == pytest.approx(8.0, abs=0.5)
 
 
 def test_arms_that_leave_two_turns_possible_find_none() -> None:
