@@ -36,13 +36,11 @@ constexpr double ratio_prior = 0.02;  // of variance of the short term to a quar
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 // A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole; each peak
-// of the likelihood is then climbed. The best must gain so much, in all and for each degree a metre, and be likelier
-// than the others: arms that do not cross often leave several. It must also double the length along the hole, unless
-// its gain is sure.
-constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0};
+// of the likelihood is then climbed. Arms that do not cross leave several peaks: the true one need not be the highest,
+// but it was where it was higher than no turn, and than turns that differ by `other_turn`, by so many nats a block.
+constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0}, turn_gain = 4.0;
 constexpr std::size_t turns = 61, long_along = 5;  // index of the length along the hole of the long term
-constexpr double turn_gain = 0.3, turn_cost = 0.03, rival_gain = 0.3, sure_gain = 3.0;  // nats a block
-constexpr double enough = 0.003;  // nats a block; a smaller gain ends the search
+constexpr double enough = 0.003;                   // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -281,15 +279,13 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
     Place best{found.at, few};
     for (const Place& each : peaks)
         if (each.value > best.value) best = each;
-    const bool certain = std::ranges::none_of(peaks, [&](const Place& each) {
-        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - rival_gain;
-    });
     turn_by(best.turn);
     Place turned = climb(best.at, few, limits, 1, 20);
     turned.turn = best.turn;
-    const double gain = turned.value - found.value;
-    const bool longer = turned.at[long_along] > found.at[long_along] + logarithm(2.0);
-    if (certain && gain > turn_gain + turn_cost * std::abs(turned.turn) && (longer || gain > sure_gain)) return turned;
+    const bool alone = std::ranges::none_of(peaks, [&](const Place& each) {
+        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - turn_gain;
+    });
+    if (alone && turned.value > found.value + turn_gain) return turned;
     turn_by(0.0);
     return found;
 }
