@@ -57,7 +57,7 @@ COVERED = 0.9
 """If the mean coverage is less, a warning says that the wall is interpolated."""
 ARM_MEAN = "mean over the row and of all passes"
 NO_UNCERTAINTY = (
-    "columns of mean diameter and volume, annulus and cement have no known uncertainty where the wall is interpolated, "
+    "of mean diameter, volume, annulus and cement the uncertainty is not known where the wall is interpolated, "
     "not measured"
 )
 """What terminal, files, reports and prints state on a wall that is partly interpolated."""

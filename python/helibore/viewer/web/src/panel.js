@@ -215,7 +215,7 @@ export function sectionText(store, summary, units, zones, shown) {
   const washing = washed === undefined ? [] : [['Washed out', washed === null ? '–' : newer ? '…' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed]];
   return [
     ['Measured', parts.filter(([share], i) => !i || share >= LEAST_SHARE).map(([share, of]) => showPercent(share) + of).join(', '), MEANINGS.measured],
-    ['Volume', !counted ? '–' : volumeText ? `${volumeText} over ${showDepth(counted, units, 1)} of whole turns` : unsure ? `about ${roughly(volume)} m³ over ${showDepth(counted, units, 1)}, no known uncertainty` : `${volume.toFixed(3)} m³ over ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
+    ['Volume', !counted ? '–' : volumeText ? `${volumeText} over ${showDepth(counted, units, 1)} of whole turns` : unsure ? `about ${roughly(volume)} m³ over ${showDepth(counted, units, 1)}, uncertainty not known` : `${volume.toFixed(3)} m³ over ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
     ['Against the bit', excessText?.replaceAll('-', '−') ?? (unsure && excess !== null ? `about ${Math.round(100 * excess)} %` : `${number(excess) >= 0 ? '+' : ''}${showPercent(number(excess))}`), MEANINGS.volume],
     ...washing,
   ];

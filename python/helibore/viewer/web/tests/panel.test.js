@@ -14,7 +14,7 @@ const figures = (summary, zones = []) => Object.fromEntries(sectionText(store, {
 test('amounts of a wall that is mostly interpolated have two digits and say that their uncertainty is not known', () => {
   assert.deepEqual([figures({}).Volume, figures({})['Against the bit']], ['0.412 m³ over 10.0 m of whole turns', '+13.7 %']);
   const unsure = figures({ unmeasured_shape: true });
-  assert.deepEqual([unsure.Volume, unsure['Against the bit']], ['about 0.41 m³ over 10.0 m, no known uncertainty', 'about 14 %']);
+  assert.deepEqual([unsure.Volume, unsure['Against the bit']], ['about 0.41 m³ over 10.0 m, uncertainty not known', 'about 14 %']);
 });
 
 test('a washout that the figures do not reach yet is not counted as none', () => {
