@@ -234,7 +234,7 @@ def _reconfigure(server: Server, reload: Callable[[], None]) -> None:
 def _show(window: Window, server: Server) -> bool:
     """Update the browser's page; if the wall cannot be shown, report the error, also on the page, and return False."""
     try:
-        window.refresh(server.states, server.alarms.active, server.alarms.ahead.found)
+        window.refresh(server.states, server.alarms.active, server.alarms.ahead.outlook)
     except (OSError, ValueError) as error:
         server.live.report("view", str(error))
         window.report(str(error))

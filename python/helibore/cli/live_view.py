@@ -22,7 +22,7 @@ import numpy as np
 from helibore.base.errors import InputError
 from helibore.base.identity import Access
 from helibore.base.utc_time import SECOND
-from helibore.live.ahead import TightAhead
+from helibore.live.ahead import Outlook
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.model.update import Update
@@ -42,6 +42,8 @@ IMAGES_SECONDS = 1.0
 """Least seconds between two mappings of the images on the wall; all mappings take at most about 1/20 of the time."""
 CHANNELS_SECONDS, PICTURE_SECONDS = 5.0, 1.0
 """Seconds between two updates of the curves of the rig's channels, and of their picture."""
+SILENT_SECONDS = 15
+"""Seconds after which the picture of the channels is drawn anew although nothing comes: its gap grows."""
 SHOWN_TIMES = 720
 """The number of latest values by time that the picture shows of a channel: two hours."""
 
@@ -90,7 +92,7 @@ class Window:
             if self._feed and self._shown is self._live.wall:
                 self._feed.update(change)
 
-    def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = (), ahead: TightAhead | None = None) -> None:
+    def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = (), ahead: Outlook | None = None) -> None:
         """Show the wall as soon as it has a vertex; update the bit, the path, the images, the sources and the alarms.
 
         Call this a few times a second, with the state of each source and what is tight ahead of the bit.
@@ -199,7 +201,9 @@ class Window:
         if not channels or now < self._channels_due:
             return
         self._channels_due = now + PICTURE_SECONDS
-        self.scene.update_state(channels=max(one.time for one in channels) // SECOND + 2)  # before a value: 1
+        newest = max(one.time for one in channels) // SECOND
+        silent = (self._live.model.clock.now // SECOND - newest) // SILENT_SECONDS if newest > 0 else 0
+        self.scene.update_state(channels=newest + max(0, silent) + 2)  # before a value: 1
         if self._feed is None or now < self._curves_due:
             return
         self._curves_due = now + CHANNELS_SECONDS

@@ -1,4 +1,4 @@
-"""What lies ahead of the bit while the string is tripped: the nearest place that the string does not pass.
+"""What lies above and below the bit: the places that the string does not pass.
 
     bit moves up       |ahead|     from 2010.3 to 2012.1 m the stabiliser does not pass
                    ----#------[stabiliser]------bit    "8.2 m", so far the bit moves until it sticks
@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,20 +29,36 @@ from helibore.wall.wall_columns import NEAR_DEPTH
 
 MOVED = 0.5
 """Metres that the bit must move in one direction until what lies there is looked at."""
-SHARE, SHARE_ON_BOTTOM = 20.0, 100.0
-"""Looking takes at most one part in so many of a processor's time, for a tripped bit and for one on bottom."""
+SHARE, SHARE_AT_REST = 20.0, 100.0
+"""Looking takes at most one part in so many of a processor's time, for a tripped bit and for another."""
+
+
+class Place(NamedTuple):
+    """A tight place: its ends, what passes at most of the body that sticks most, when the string sticks, and where.
+
+    ``sticks_at`` is the depth of the bit at which the string begins to stick there, by the body ``first``;
+    ``tightest`` is that at which it is tightest, and ``body`` the number of the body that sticks there. Metres.
+    """
+
+    top: float
+    bottom: float
+    passes: float
+    sticks_at: float
+    first: str
+    tightest: float
+    body: int
 
 
 @dataclass(frozen=True)
 class TightAhead:
-    """Tight hole ahead of the bit; while the bit is on bottom, on its way out.
+    """Tight hole ahead of the bit on one side.
 
     Attributes
     ----------
     sticks_at
         Depth of the bit at which the string sticks, metres.
     above
-        Whether the bit moves up: the string is pulled out.
+        Whether it lies above the bit.
     top, bottom
         Its ends, metres.
     body
@@ -48,14 +66,9 @@ class TightAhead:
     diameter, needed
         The greatest diameter of this body that would pass, and its own, metres.
     places
-        The number of tight places ahead.
+        The number of tight places on this side.
     worst
-        Ends, metres, and how much too thick the string is, at the tightest of these; None if it is this one.
-    tightest
-        Of this place and of the worst, if it is another: the depth of the bit at which the string is tightest there,
-        metres, and the number of the body that sticks.
-    moving
-        Whether the bit is tripped; it is on bottom otherwise.
+        The tightest of these.
     text
         This place in words, without what changes as the bit comes nearer.
     """
@@ -68,14 +81,33 @@ class TightAhead:
     diameter: float
     needed: float
     text: str
-    places: int = 1
-    worst: tuple[float, float, float] | None = None
-    tightest: tuple[tuple[float, int], ...] = ()
-    moving: bool = True
+    places: int
+    worst: Place
 
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
         return self.top <= other.bottom and other.top <= self.bottom
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What is tight above and below the bit.
+
+    Attributes
+    ----------
+    up, down
+        What the string meets if it is pulled, and if it is run in; None if nothing is tight there.
+    bodies
+        For each body of the string, the depths of the bit at which it first sticks if the string is pulled, and if it
+        is run in, metres; None: nowhere.
+    moving
+        "up" or "down", if the bit is tripped; "" if it is on bottom or has not moved yet.
+    """
+
+    up: TightAhead | None
+    down: TightAhead | None
+    bodies: tuple[tuple[float | None, float | None], ...]
+    moving: str
 
 
 class Ahead:
@@ -83,29 +115,37 @@ class Ahead:
 
     def __init__(self, live: Live) -> None:
         self._live = live
-        self._from, self._up = math.nan, False  # where the bit turned round last, and whether it moves up
-        self._moves = False
+        self._from, self._up = math.nan, True  # where the bit turned round last, and whether it moves up
+        self._moves = self._on_bottom = False
         self._due = 0.0
-        self.found: TightAhead | None = None
+        self.outlook: Outlook | None = None
+
+    @property
+    def found(self) -> TightAhead | None:
+        """What is tight where the bit moves, or on its way out if it is on bottom."""
+        if self.outlook is None or not (self._moves or self._on_bottom):
+            return None
+        return self.outlook.up if self._up else self.outlook.down
 
     def look(self) -> TightAhead | None:
-        """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet.
-
-        Of a bit on bottom, `found` has what is tight on its way out.
-        """
+        """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet."""
         model, limits = self._live.model, self._live.configuration.alarms
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         if not bit or limits.tight is None or not limits.ahead:
-            self._from, self._moves, self.found = math.nan, False, None
+            self._from, self._moves, self.outlook = math.nan, False, None
             return None
-        if on_bottom := model.rig.on_bottom:
+        self._on_bottom = model.rig.on_bottom
+        if self._on_bottom:
             self._from, self._moves, self._up = math.nan, False, True
         else:
             self._follow(bit[0])
-        if (self._moves or on_bottom) and time.monotonic() >= self._due:
+        moving = ("up" if self._up else "down") if self._moves else ""
+        if time.monotonic() >= self._due:
             began = time.thread_time()
-            self.found = self._tight(bit[0], limits)
-            self._due = time.monotonic() + (SHARE_ON_BOTTOM if on_bottom else SHARE) * (time.thread_time() - began)
+            self.outlook = self._look_around(bit[0], limits, moving)
+            self._due = time.monotonic() + (SHARE if self._moves else SHARE_AT_REST) * (time.thread_time() - began)
+        elif self.outlook is not None and self.outlook.moving != moving:
+            self.outlook = replace(self.outlook, moving=moving)
         return self.found if self._moves else None
 
     def _follow(self, bit: float) -> None:
@@ -116,13 +156,13 @@ class Ahead:
         if self._moves and up == self._up:
             self._from = bit  # the farthest place in this direction
         elif abs(bit - self._from) >= MOVED:
-            self._moves, self._up, self._from, self.found = True, up, bit, None
+            self._moves, self._up, self._from = True, up, bit
             self._due = 0.0
 
-    def _tight(self, bit: float, limits: AlarmLimits) -> TightAhead | None:
+    def _look_around(self, bit: float, limits: AlarmLimits, moving: str) -> Outlook:
         configuration = self._live.model.configuration
         size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
-        string = configuration.string or (RigidBody(size, limits.body),)
+        string = configuration.string or (RigidBody(size, limits.body, name="bit"),)
         # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches. This is
         # looked for up to half of the limit, since in a hole as wide as the bit noise of the samples is not tight.
         thin, touching = (
@@ -130,44 +170,46 @@ class Ahead:
             for least in (tight, 0.5 * tight)
         )
         length = max(body.position + body.length for body in string)
-        above, below = (ahead, 0.0) if self._up else (0.0, ahead)
-        stretch = self._stretch(bit - above - length, bit + below, length)
+        stretch = self._stretch(bit - ahead - length, bit + ahead, length)
         if stretch is None:
-            return None
-        found = passage_of(stretch, thin, upper_limit=True)
-        lower = found.depth + length / 2
-        travel = bit - lower if self._up else lower - bit
-        order = np.argsort(travel, kind="stable")  # from what the string meets first
-        order = order[(travel[order] >= -found.height) & (travel[order] <= ahead)]
-        touches = passage_of(stretch, touching, upper_limit=True).clearance[order] < 0
-        runs, end = [], 0
-        for first, stop in runs_of(found.clearance[order] < 0):
-            while first > end and touches[first - 1]:
-                first -= 1
-            runs.append(order[first:stop])
-            end = stop
+            return Outlook(None, None, ((None, None),) * len(string), moving)
+        together = _Tight(stretch, thin, touching)
+        alone = [_Tight(stretch, [one], [other]) for one, other in zip(thin, touching, strict=True)]
+        sides = [self._side(together, string, bit, ahead, up) for up in (True, False)]
+        at = [
+            tuple(
+                _first([*own.sticks_at(bit, ahead, up), *together.sticks_at(bit, ahead, up, number)], up)
+                for up in (True, False)
+            )
+            for number, own in enumerate(alone)
+        ]
+        return Outlook(sides[0], sides[1], tuple((up, down) for up, down in at), moving)
+
+    def _side(
+        self, tight: _Tight, string: Sequence[RigidBody], bit: float, ahead: float, up: bool
+    ) -> TightAhead | None:
+        """Return what is tight above or below the bit; None if nothing is."""
+        found, lower = tight.found, tight.lower
+        runs = tight.runs(bit, ahead, up)
         if not runs:
             return None
-        spots = [self._spot(found, rows) for rows in runs]
-        top, bottom, passes, number, row = spots[0]
-        body = string[number]
-        places = _joined([(start, stop, string[of].diameter - least) for start, stop, least, of, _ in spots])
-        worst = max(places, key=lambda place: place[2])
-        is_nearest = worst[0] <= top <= worst[1]
-        tightest = [(round(float(lower[row]), 2), number)]
-        if not is_nearest:
-            inside = [spot for spot in spots if worst[0] <= spot[0] <= worst[1]]
-            *_, of, at = max(inside, key=lambda spot: string[spot[3]].diameter - spot[2])
-            tightest.append((round(float(lower[at]), 2), of))
-        name = body.name or ("bit" if body.position == 0 else f"body {number + 1}")
-        sizes = f"{1e3 * passes:.1f} mm pass at most, the {name} has {1e3 * body.diameter:.1f} mm"
-        side = "above" if self._up else "below"
-        text = f"tight hole {side} the bit at {bit:.1f} m: from {top:.1f} to {bottom:.1f} m {sizes}"
+        spots = []
+        for rows in runs:
+            top, bottom, passes, number, row = self._spot(found, rows)
+            name = string[number].name or ("bit" if string[number].position == 0 else f"body {number + 1}")
+            at = round(float(lower[rows[0]]), 2), name, round(float(lower[row]), 2), number
+            spots.append(Place(round(top, 2), round(bottom, 2), round(passes, 4), *at))
+        nearest = spots[0]
+        body = string[nearest.body]
+        places = _joined(spots, string)
+        worst = max(places, key=lambda place: string[place.body].diameter - place.passes)
+        sizes = f"{1e3 * nearest.passes:.1f} mm pass at most, the {nearest.first} has {1e3 * body.diameter:.1f} mm"
+        side = "above" if up else "below"
+        ends = f"from {nearest.top:.1f} to {nearest.bottom:.1f} m"
+        text = f"tight hole {side} the bit at {bit:.1f} m: {ends} {sizes}"
         return TightAhead(
-            round(float(lower[runs[0][0]]), 2), self._up, round(top, 2), round(bottom, 2), name,
-            round(passes, 4), body.diameter, text, len(places),
-            None if is_nearest else (round(worst[0], 2), round(worst[1], 2), round(worst[2], 4)), tuple(tightest),
-            self._moves,
+            nearest.sticks_at, up, nearest.top, nearest.bottom, nearest.first, nearest.passes, body.diameter, text,
+            len(places), worst,
         )  # fmt: skip
 
     def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int, int]:
@@ -218,12 +260,55 @@ class Ahead:
         )
 
 
-def _joined(spots: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
-    """Return the places that overlap as one, with the greatest excess: bodies stick there one after the other."""
-    found: list[tuple[float, float, float]] = []
-    for top, bottom, excess in sorted(spots):
-        if found and top <= found[-1][1]:
-            last = found.pop()
-            top, bottom, excess = last[0], max(last[1], bottom), max(last[2], excess)
-        found.append((top, bottom, excess))
+class _Tight:
+    """Where bodies on one axis stick in a stretch of a wall: by the limit, and from where they touch."""
+
+    def __init__(self, stretch: WallState, thin: Sequence[RigidBody], touching: Sequence[RigidBody]) -> None:
+        self.found = passage_of(stretch, thin, upper_limit=True)
+        self.lower = self.found.depth + self.found.length / 2
+        self._touches = passage_of(stretch, touching, upper_limit=True).clearance < 0
+
+    def runs(self, bit: float, ahead: float, up: bool) -> list[Integers]:
+        """Return the rows of each tight stretch within ``ahead`` on one side, from what the string meets first."""
+        travel = bit - self.lower if up else self.lower - bit
+        order = np.argsort(travel, kind="stable")
+        order = order[(travel[order] >= -0.49 * self.found.height) & (travel[order] <= ahead)]
+        runs, end = [], 0
+        for first, stop in runs_of(self.found.clearance[order] < 0):
+            while first > end and self._touches[order[first - 1]]:
+                first -= 1
+            runs.append(order[first:stop])
+            end = stop
+        return runs
+
+    def sticks_at(self, bit: float, ahead: float, up: bool, body: int = 0) -> list[float]:
+        """Return the depths of the bit at which a body begins to stick on one side."""
+        held = self.found.contact_body[:, 0] == body
+        runs = (rows[held[rows]] for rows in self.runs(bit, ahead, up))
+        return [round(float(self.lower[rows[0]]), 2) for rows in runs if rows.size]
+
+
+def _first(depths: list[float], up: bool) -> float | None:
+    """Return the depth that the bit reaches first, if it moves up or down."""
+    return (max if up else min)(depths, default=None)
+
+
+def _joined(spots: list[Place], string: Sequence[RigidBody]) -> list[Place]:
+    """Return the places that overlap as one, as tight as the tightest: bodies stick there one after the other.
+
+    The string begins to stick there as it does in the one that it meets first.
+    """
+    order = {spot: number for number, spot in enumerate(spots)}
+    found: list[Place] = []
+    for spot in sorted(spots):
+        if not (found and spot.top <= found[-1].bottom):
+            found.append(spot)
+            continue
+        last = found.pop()
+        first = min(last, spot, key=lambda place: order.get(place, 0))
+        worst = max(last, spot, key=lambda place: string[place.body].diameter - place.passes)
+        ends = {"top": last.top, "bottom": max(last.bottom, spot.bottom)}
+        joined = worst._replace(**ends, sticks_at=first.sticks_at, first=first.first)
+        order[joined] = min(order[last], order[spot])
+        found.append(joined)
     return found

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from helibore.base.harmless import printable
 
 WIDTH, HEIGHT, GAP = 300, 64, 6
 """Size of a cell and the space between two, in units of the picture."""
-LINE = 190, 290, 8, 56
+LINE = 190, 290, 6, 46
 """Left, right, top and bottom of the line in a cell."""
 LONGEST = 60.0
 """Seconds between two values of a line from which on it has a gap."""
@@ -48,7 +49,7 @@ class ShownChannel:
 
 def channel_strip(channels: Sequence[ShownChannel], theme: str) -> str:
     """Return the picture of the channels; ``theme`` is "dark" or "light"."""
-    ends = [time for one in channels for time in (*one.times[:1], *one.times[-1:])]
+    ends = [time for one in channels if len(one.times) for time in (one.times[0], one.times[-1] + _silence(one))]
     span = (min(ends), max(ends)) if ends else (0.0, 1.0)
     width = len(channels) * (WIDTH + GAP) - GAP
     cells = "".join(
@@ -69,6 +70,8 @@ def _cell(one: ShownChannel, span: tuple[float, float], colours: dict[str, str])
         f'<text x="8" y="19" font-size="17" fill="{colours["soft"]}">{_text(head)}</text>'
         f'<text x="8" y="54" font-size="36" font-weight="700" fill="{colours["ink"]}">{number}{small}</text>'
         f'<path d="{_line(one, span)}" fill="none" stroke="{colours["ink"]}" stroke-width="1.5"/>'
+        f'<path d="{_gaps(one, span)}" fill="none" stroke="{colours["soft"]}" stroke-width="5" stroke-dasharray="2 2"/>'
+        f'<text x="{LINE[1]}" y="63" font-size="13" text-anchor="end" fill="{colours["soft"]}">{_length(span)}</text>'
     )
 
 
@@ -85,6 +88,29 @@ def _line(one: ShownChannel, span: tuple[float, float]) -> str:
         path.append(f"{'M' if time - before > LONGEST else 'L'}{left + (time - span[0]) * wide:.1f} {y:.1f}")
         before = time
     return "".join(path)
+
+
+def _gaps(one: ShownChannel, span: tuple[float, float]) -> str:
+    """Return the path that marks where a line has no value for longer than `LONGEST`, up to now."""
+    if not len(one.times):
+        return ""
+    left, right, _, bottom = LINE
+    wide = (right - left) / max(span[1] - span[0], 1.0)
+    times = [*one.times, one.times[-1] + _silence(one)]
+    gaps = ((a, b) for a, b in itertools.pairwise(times) if b - a > LONGEST)
+    return "".join(f"M{left + (a - span[0]) * wide:.1f} {bottom}H{left + (b - span[0]) * wide:.1f}" for a, b in gaps)
+
+
+def _silence(one: ShownChannel) -> float:
+    return one.age if math.isfinite(one.age) else 0.0
+
+
+def _length(span: tuple[float, float]) -> str:
+    """Return how long a line is in words."""
+    seconds = span[1] - span[0]
+    if seconds < 90:
+        return f"last {seconds:.0f} s"
+    return f"last {seconds / 60:.0f} min" if seconds < 5400 else f"last {seconds / 3600:.1f} h"
 
 
 def _age(seconds: float) -> str:

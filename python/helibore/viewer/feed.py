@@ -33,7 +33,7 @@ from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import ScalarCurve, curves_of
-from helibore.logs.passage import hanging_at, passage_of
+from helibore.logs.passage import Hanging, hanging_at, passage_of
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
 from helibore.logs.zones import LIKELY, Classification, classify
@@ -233,7 +233,7 @@ class Feed:
                 self._find_zones()
                 stale = True
                 zones_due = time.monotonic() + max(ZONES_SECONDS, SHARE * (time.thread_time() - began))
-            self.find_clearance_above_bit()
+            self.find_clearance_of_bodies()
             self.find_chances_ahead()
             began = time.thread_time()
             if stale and time.monotonic() >= string_due:
@@ -346,48 +346,56 @@ class Feed:
         self.scene.set_curves(curves, self._logged)
         self._hang(why="")
 
-    def find_clearance_above_bit(self) -> None:
-        """Set the clearance of the bodies above the bit where they are now, as far as hole is measured beside them.
+    def find_clearance_of_bodies(self) -> None:
+        """Set the clearance of each body of the string where it is now, as far as hole is measured beside it.
 
-        While hole is drilled, the sensor is behind the bit. If the end of the measured hole is above the widest of the
-        bodies, the clearance is that of the string ``short`` metres higher, where this body was last in measured hole.
+        While hole is drilled, the sensor is behind the bit. If the end of the measured hole is above a body, its
+        clearance is that ``short`` metres higher, where this body was last in measured hole.
         """
         bit = self.scene.state.bit_depth
         if not self._string or self._measured is None or not math.isfinite(bit) or self._shape.basis != "azimuthal":
             return
-        wall, sigma = self._measured
-        above = sorted((body for body in self._string if body.position > 0), key=lambda body: body.position)
-        above = above or list(self._string)
-        widest = max(above, key=lambda body: body.diameter)
-        short = max(0.0, bit - widest.position - self._ends[1])
-        found = hanging_at(wall, above, bit - short, getattr(wall, "sampled", None), sigma)
+        self._hang(hanging=[self._hanging(number, bit) for number in range(len(self._string))])
+
+    def _hanging(self, number: int, bit: float) -> dict[str, Any]:
+        """Return name and clearance of a body where it hangs now, for JSON; without numbers if no hole is measured."""
+        body = self._string[number]
+        name = {"name": body.name or ("bit" if body.position == 0 else f"body {number + 1}")}
+        short = max(0.0, bit - body.position - self._ends[1])
+        found = self._clearance(bit - short, body)
         if found is None:
-            self._hang(above_bit=None)
-            return
+            return name
         size = {"clearance": found.clearance, "low": found.low, "high": found.high, "depth": found.depth}
         numbers = {name: round(value, 5) if math.isfinite(value) else None for name, value in size.items()}
-        body = above[found.body].name or "string"
-        self._hang(above_bit={"body": body, **numbers, "at_most": found.at_most, "short": round(short, 2)})
+        return {**name, **numbers, "at_most": found.at_most, "short": round(short, 2)}
 
     def find_chances_ahead(self) -> None:
-        """Set the probability that the string sticks in the nearest and in the worst tight place ahead of the bit."""
+        """Set how sure the worst tight places above and below the bit are: see `SceneState.ahead_sure`."""
         ahead = self.scene.state.ahead
-        if not self._string or self._shape.basis != "azimuthal":
+        if not self._string or self._shape.basis != "azimuthal" or ahead is None:
             return
-        chances = tuple(self._chance(lower, self._string[body]) for lower, body in (ahead or {}).get("tightest", ()))
+        chances = tuple(self._chance(side["worst"]) if (side := ahead[way]) else None for way in ("up", "down"))
         if chances != self.scene.state.ahead_sure:
             self.scene.update_state(ahead_sure=chances)
 
-    def _chance(self, lower_end: float, body: RigidBody) -> float | None:
-        """Return the probability that a body sticks where the string's lower end is at a depth; None: not known."""
-        if self._measured is None:
-            return None
-        wall, sigma = self._measured
-        found = hanging_at(wall, [body], lower_end, getattr(wall, "sampled", None), sigma)
+    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float] | None:
+        """Return the probability that the string sticks at a `Place`, and between what the hole's size less bit is."""
+        lower_end, number = place[-2:]
+        body = self._string[number]
+        found = self._clearance(lower_end, body)
         if found is None or not math.isfinite(found.low):
             return None
         deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
-        return round(NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0), 3)
+        chance = NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0)
+        over = body.diameter - self._shape.bit_diameter
+        return round(chance, 3), round(found.low + over, 5), round(found.high + over, 5)
+
+    def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
+        """Return the clearance of a body where the string's lower end is at a depth; None: not known."""
+        if self._measured is None:
+            return None
+        wall, sigma = self._measured
+        return hanging_at(wall, [body], lower_end, getattr(wall, "sampled", None), sigma)
 
     def _hang(self, **changes: Any) -> None:
         bodies = [[body.diameter, body.length, body.position] for body in self._string]

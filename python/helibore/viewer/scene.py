@@ -179,16 +179,17 @@ class RunState:
     prints: bool = False  # whether `Scene.draw_pages` is set
     meshes: bool = False  # whether `Scene.write_mesh` is set
     # A rigid string: its "bodies" (diameter, length, position, metres), and "why" its clearance is not known. If
-    # the bit's depth is known, "above_bit": what the bodies above the bit clear (`Feed.find_clearance_above_bit`).
+    # the bit's depth is known, "hanging": what each of them clears (`Feed.find_clearance_of_bodies`).
     string: Mapping[str, Any] | None = None
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
-    # Tight hole ahead of a bit that is tripped, a `helibore.live.ahead.TightAhead`; None: none is known.
+    # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Probability that the string sticks there and in the worst place, if it is another; None: not known.
-    ahead_sure: tuple[float | None, ...] = ()
+    # Of the worst place above and of that below: the probability that the string sticks there, and the ends of the
+    # interval that holds the hole's size less that of the bit with 95 % probability, metres; None: not known.
+    ahead_sure: tuple[tuple[float, float, float] | None, ...] = ()
 
 
 class History:

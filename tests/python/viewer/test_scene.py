@@ -429,38 +429,37 @@ def test_a_string_has_its_clearance_at_each_depth_of_its_lower_end() -> None:
     assert abs(tightest - 2006) < 0.7
 
 
-def test_what_hangs_above_the_bit_clears_what_the_wall_says_as_far_as_it_is_measured() -> None:
+def test_each_body_of_the_string_clears_what_the_wall_says_as_far_as_it_is_measured() -> None:
     depth = np.arange(2000.0, 2030.0, 0.002)
     radius = 0.108 + 0.001 * np.sin(depth) - 0.004 * (abs(depth - 2012) < 0.5)
     wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
-    bit, stabiliser = hb.RigidBody(0.216, 0.3), hb.RigidBody(0.2, 1.0, 4.0, "stabiliser")
-    collar = hb.RigidBody(0.17, 8.0, 1.0, "collar")
-    feed = Feed(wall, path=None, attributes={}, well="", string=(bit, stabiliser, collar))
+    bodies = hb.RigidBody(0.216, 0.3), hb.RigidBody(0.2, 1.0, 4.0, "stabiliser"), hb.RigidBody(0.17, 8.0, 1.0, "collar")
+    feed = Feed(wall, path=None, attributes={}, well="", string=bodies)
 
-    def above(bit: float) -> dict[str, Any]:
+    def hanging(bit: float) -> list[dict[str, Any]]:
         feed.scene.update_state(bit_depth=bit)
-        feed.find_clearance_above_bit()
+        feed.find_clearance_of_bodies()
         state = feed.scene.state.string
         assert state is not None
-        return state["above_bit"]
+        return state["hanging"]
 
     feed.find_zones()
-    whole = wall.passage([stabiliser, collar], sigma=True)
-    row = int(np.nanargmin(whole.clearance))
-    found = above(float(whole.depth[row]) + 4.5)
-    assert (found["body"], found["at_most"], found["short"]) == ("stabiliser", False, 0)
-    assert found["clearance"] == round(float(whole.clearance[row]), 5)
-    assert found["depth"] == round(float(whole.contact_depth[row, 0]), 5)
-    assert [found["low"], found["high"]] == pytest.approx([whole.low[row], whole.high[row]], abs=3e-4)
+    stabiliser = wall.passage([hb.RigidBody(0.2, 1.0)], sigma=True)
+    row = int(np.nanargmin(stabiliser.clearance))
+    found = hanging(float(stabiliser.depth[row]) + 4.5)
+    assert [of["name"] for of in found] == ["bit", "stabiliser", "collar"]
+    assert (found[1]["at_most"], found[1]["short"]) == (False, 0)
+    assert found[1]["clearance"] == pytest.approx(stabiliser.clearance[row], abs=1e-5)
+    assert found[1]["depth"] == pytest.approx(stabiliser.contact_depth[row, 0], abs=1e-5)
+    assert [found[1]["low"], found[1]["high"]] == pytest.approx([stabiliser.low[row], stabiliser.high[row]], abs=3e-4)
+    bit = wall.drift(0.3)  # in wider hole below, where the stabiliser does not hide it
+    row = int(np.argmin(abs(bit.depth - stabiliser.depth[row] - 4.35)))
+    assert found[0]["clearance"] == pytest.approx(bit.diameter[row] - 0.216, abs=2e-4)
     end = float(wall.depth[-1])
-    alone = wall.passage([hb.RigidBody(0.2, 1.0)])  # the collar below it is in hole that is not measured
-    found = above(end + 3.5)
-    row = int(np.argmin(abs(alone.depth - end + 1.0)))
-    assert found["body"] == "stabiliser"
-    assert found["clearance"] == pytest.approx(alone.clearance[row], abs=2e-4)
-    assert above(end + 6.5)["short"] == pytest.approx(2.5, abs=0.01)
-    assert above(end + 6.5)["clearance"] == above(end + 4.0)["clearance"]
-    assert above(1995.0) is None
+    found = hanging(end + 6.5)
+    assert [of["short"] for of in found] == pytest.approx([6.5, 2.5, 5.5], abs=0.01)
+    assert found[1]["clearance"] == hanging(end + 4.0)[1]["clearance"]
+    assert hanging(1995.0) == [{"name": "bit"}, {"name": "stabiliser"}, {"name": "collar"}]
 
 
 def test_a_string_longer_than_the_wall_is_drawn_and_says_why_it_has_no_clearance() -> None:

@@ -4,24 +4,19 @@
 
 import { recall, remember } from './memory.js';
 import { byId } from './dom.js';
-import { showDepth, showSigned, showSpan } from './units.js';
+import { worstPlace } from './rig.js';
+import { showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
+const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const READ = 10; // seconds for which rig mode shows the full texts, which cover its digits
 const FIRST = /^tight ahead/; // of the alarms of the feed: the string may stick
 export const ABOUT_HOLE = /^(tight|washout)/; // alarms of the feed that are not about data
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0];
-// Return where the hole is tight or washed out that an alarm is about, in few words; '' for an alarm about data.
-/** @param {string} alarm @param {Units} units */
-function placeOf(alarm, units) {
-  if (!ABOUT_HOLE.test(alarm)) return '';
-  const [, from, to = from] = /from ([\d.]+) to ([\d.]+) m/.exec(alarm) ?? /at ([\d.]+) m/.exec(alarm) ?? [];
-  return from ? `, ${from === to ? showDepth(Number(from), units, 1) : showSpan(Number(from), Number(to), units)}` : '';
-}
 // Return at most `LINES` texts; the last text says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
@@ -96,27 +91,49 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // Return the texts of the alarms: first those of the feed, tight hole ahead and then the newest, then the worst new zone and the number of the
-  // other new zones. If `short` is true, the texts are short.
-  /** @param {Units} units @param {boolean} short @returns {string[]} */
-  texts(units, short) {
+  // Return the alarms of the feed that are not silenced: tight hole ahead, and then the newest.
+  said() {
+    return this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => Number(FIRST.test(b)) - Number(FIRST.test(a)));
+  }
+
+  // Return the texts of the alarms: those of the feed, the worst new zone, and the number of the other new zones.
+  /** @param {Units} units @returns {string[]} */
+  texts(units) {
     const [worst, ...others] = byConsequence(this.zones);
     const more = others.length ? ` and ${others.length} more` : '';
-    const place = worst && showSpan(worst.start, worst.stop, units);
-    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}, ${sureText(worst)} sure`];
-    const said = this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => Number(FIRST.test(b)) - Number(FIRST.test(a)));
-    return [...said.map((one) => (short ? shortOf(one) + placeOf(one, units) : one)), ...zone];
+    return [...this.said(), ...(worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${showSpan(worst.start, worst.stop, units)}, ${sureText(worst)} sure`] : [])];
+  }
+
+  // Return the texts for rig mode: one for each place, with the numbers that stand beside it, and one for each alarm about data.
+  // If `whole` is true, the texts say how sure a place is, and why data are missing.
+  /** @param {boolean} whole */
+  places(whole) {
+    const { app: { view: { units }, zones }, app } = this;
+    const worst = app.store ? worstPlace(app) : null;
+    /** @param {Zone} zone */
+    const text = (zone) => {
+      const own = worst?.way && worst.zone && overlap(worst.zone, zone);
+      const { start, stop, measure } = own ? worst : zone;
+      return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${sureText(zone)} sure` : ''}`;
+    };
+    const feed = this.said().map((alarm) => {
+      const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
+      const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
+      const zone = rest ? worst?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
+      return zone ? text(zone) : whole ? alarm : shortOf(alarm);
+    });
+    return [...new Set([...feed, ...byConsequence(this.zones).map(text)])];
   }
 
   /** @param {View} view */
   write({ units, rig }) {
-    const texts = this.texts(units, false);
+    const texts = rig ? this.places(true) : this.texts(units);
     this.whole &&= texts.length > 0;
     const whole = rig && this.whole;
     byId('alarm').hidden = !texts.length;
     byId('alarmWhole').hidden = !whole;
     byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (A)';
-    lines('alarmText', rig ? few(this.texts(units, true)) : [texts.join(' · ')]);
+    lines('alarmText', rig ? few(this.places(false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }
 }

@@ -6,6 +6,7 @@ import { byId, say } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
+const SLACK = 3; // seconds by which what a source sends may be later than usual
 const LATE = 60; // seconds without a sample
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
 export const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
@@ -22,6 +23,25 @@ export function lamp(app) {
   at.title = text;
   say('lampText', text);
 }
+
+// How often a source sends: the mean of the seconds between two arrivals, by the server's clock.
+export class Pace {
+  /** @type {number | null} */
+  last = null;
+  usual = NaN;
+
+  /** @param {number | null} received */
+  note(received) {
+    if (received === this.last) return;
+    const gap = Math.abs((received ?? NaN) - (this.last ?? NaN));
+    if (Number.isFinite(gap)) this.usual = Number.isNaN(this.usual) ? gap : 0.8 * this.usual + 0.2 * Math.min(gap, 2 * this.usual); // one silence is not usual
+    this.last = received;
+  }
+}
+
+// Whether a source has sent nothing for twice the usual time.
+/** @param {Pick<App, 'newest' | 'received' | 'lastWrite' | 'pace'>} of */
+const isLate = (of) => of.received !== null && silenceOf(of) > 2 * of.pace.usual + SLACK;
 
 // Return the seconds since a source sent anything; NaN if it is not known.
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
@@ -48,7 +68,7 @@ function troubleOf({ alarms, lost }) {
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -64,7 +84,8 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const old = !ended && seconds > LATE;
-  const late = old && isSilent({ received, newest, lastWrite });
+  const silent = { received, newest, lastWrite, pace };
+  const late = !ended && ((old && isSilent(silent)) || isLate(silent));
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);

@@ -15,7 +15,7 @@ import { Figures } from './figures.js';
 import { Glow } from './glow.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindTracks } from './input.js';
-import { ageOf, lamp } from './lamp.js';
+import { ageOf, lamp, Pace } from './lamp.js';
 import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
 import { disableControls, fillSelects, nameCuts, showBasis } from './panel.js';
@@ -49,16 +49,17 @@ export class App {
   /** @type {number | null} */
   newest = null;
   /** @type {number | null} */
-  received = null; // the last bytes from a source
+  received = null; // the last bytes from a source, by this machine's clock
+  pace = new Pace();
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   /** @type {RigidString | null} */
   string = null;
   channels = 0; // version of the picture of the rig's channels; 0: there are none
-  /** @type {TightAhead | null} */
-  ahead = null; // tight hole ahead of a bit that is tripped
-  /** @type {(number | null)[]} */
-  aheadSure = []; // probability that the string sticks there, and in the worst place
+  /** @type {Outlook | null} */
+  ahead = null; // what is tight above and below the bit
+  /** @type {Chance[]} */
+  aheadSure = []; // how sure the worst place above is, and that below
   prints = false; // whether the server prints sections
   meshes = false; // whether it writes meshes
   /** @type {number | null} */
@@ -223,6 +224,7 @@ export class App {
     this.prints = prints;
     this.bitDepth = bit;
     this.holeDepth = hole;
+    this.pace.note(received);
     [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
     this.ended = ended;
     this.openSaved();

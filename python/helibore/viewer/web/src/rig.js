@@ -19,18 +19,21 @@ export function worstOf(zones, [top, bottom]) {
   return byConsequence(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
-// Return the worst place: of the tight places ahead of the bit, or else of the zones of the last metres. `sure`: the probability
-// that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @param {number[]} ends */
-export function worstPlace({ zones, ahead, aheadSure }, ends) {
-  if (!ahead) {
+// Return the worst place: of the tight places that the string meets where it moves, or on its way out, or else on the other side;
+// or else of the zones of the last metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+/** @param {App} app @param {number[]} [ends] @returns {WorstPlace | null} */
+export function worstPlace({ zones, ahead, aheadSure, store }, ends = recent(store)) {
+  const ways = /** @type {('up' | 'down')[]} */ (ahead?.moving === 'down' ? ['down', 'up'] : ['up', 'down']);
+  const way = ways.find((one) => ahead?.[one]);
+  const tight = way && ahead?.[way];
+  if (!tight) {
     const zone = worstOf(zones, ends);
-    return zone && { ...zone, zone, sure: zone.confidence };
+    return zone && { ...zone, zone, sure: zone.confidence, low: NaN, high: NaN, way: '', sticksAt: NaN, first: '', places: 0 };
   }
-  const [start, stop, excess] = ahead.worst ?? [ahead.top, ahead.bottom, ahead.needed - ahead.diameter];
-  const at = ahead.worst ? 1 : 0;
-  const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [start, stop]);
-  return { start, stop, measure: zone?.measure ?? -excess, zone, sure: aheadSure[at] ?? NaN };
+  const [top, bottom, passes, sticksAt, first] = tight.worst;
+  const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
+  const [sure, low, high] = aheadSure[way === 'up' ? 0 : 1] ?? [NaN, NaN, NaN];
+  return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure, low, high, way, sticksAt, first, places: tight.places };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the worst place. If the bit has

@@ -1,14 +1,16 @@
-// The digits of rig mode, which are read from three metres: bit depth, clearance of the string, worst place, tight hole ahead
-// or hole size, lag and age of the data.
+// The digits of rig mode, which are read from three metres. Four questions have a place each, which never changes its meaning:
+// where the bit is, whether data come, the worst place and how sure it is, and the clearance of each body of the string.
 
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent, worstPlace } from './rig.js';
-import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
+import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
+const NOW = 0.05; // metres: so near is here
+const ROWS = 3; // bodies of the string that rig mode lists
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -31,50 +33,51 @@ function cell(id, head, digits, unit, more) {
 
 /** @param {App} app */
 export function writeDigits(app) {
-  const { view, store, path, bit, figures: { summary } } = app;
-  const [top, bottom] = recent(store);
-  const { scale, unit } = LENGTHS[view.units];
-  /** @param {number | null | undefined} metres */
-  const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
-  const { ahead, holeDepth: hole } = app;
-  const depth = { bit: showDepth(bit ?? NaN, view.units, 1), hole: showDepth(hole ?? NaN, view.units, 1) };
-  const [tvd, whyNot] = [path.tvd(bit ?? NaN), path.whyNoTvd(bit ?? NaN)];
-  const trueDepth = Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : '';
-  cell('rigBit', 'Bit depth', ...parts(depth.bit), bit === null ? 'no bit depth received' : app.string && hole !== null ? `hole depth ${depth.hole}` : trueDepth);
-  if (app.string) writeString(app);
-  else {
-    byId('rigStringCell').className = '';
-    cell('rigString', 'Hole depth', ...parts(depth.hole), hole === null ? 'no hole depth received' : '');
-  }
-  writeWorst(app, [top, bottom]);
-  const measured = store.basis !== 'gauge' && summary?.mean_diameter;
-  const bitSize = `bit ${size(2 * store.bitRadius)}`;
-  byId('rigNextCell').className = ahead && ahead.moving !== false ? 'new' : '';
-  if (ahead) {
-    const left = bit === null ? NaN : (bit - ahead.sticks_at) * (ahead.above ? 1 : -1); // from the bit depth of now
-    const [digits, inUnit] = left > 0.05 ? parts(showDepth(left, view.units, 1)) : ['now', ''];
-    const sure = app.aheadSure[0];
-    const where = ahead.moving === false ? 'On the way out' : `Tight ${ahead.above ? 'above' : 'below'}`;
-    cell('rigNext', `${where}: ${ahead.body} sticks${inUnit && ' in'}`, digits, inUnit && `${inUnit}${typeof sure === 'number' ? `, ${percent(sure)} sure` : ''}`, `hole ${size(ahead.diameter)} for ${size(ahead.needed)} ${unit}, ${showSpan(ahead.top, ahead.bottom, view.units)}`);
-  } else {
-    const head = `Hole size, last ${showDepth(bottom - top, view.units, 0)}`;
-    if (measured) cell('rigNext', head, size(summary.mean_diameter), unit, `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, ${bitSize}`);
-    else cell('rigNext', head, '–', '', `${store.basis === 'gauge' ? 'not measured' : 'looking'}, ${bitSize} ${unit}`);
-  }
-  const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
+  const { view: { units, theme }, store, path, bit, holeDepth: hole } = app;
+  const ends = recent(store);
+  const tvd = path.tvd(bit ?? NaN);
+  const whyNot = path.whyNoTvd(bit ?? NaN);
+  const trueDepth = Number.isFinite(tvd) ? `TVD ${showDepth(tvd, units, 1)}` : whyNot ? `TVD: ${whyNot}` : '';
   const off = bit === null || hole === null ? NaN : hole - bit;
-  const [head, far] = off > LIFTED ? ['Off bottom', off] : lag < -LIFTED ? ['Bit above end of data', -lag] : ['Data end behind bit', Math.max(0, lag)];
-  cell('rigLag', head, Number.isFinite(far) ? depthNumber(far, view.units, 1) : '–', Number.isFinite(far) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
-  const [colour, text, word] = lampWords(app);
-  const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
-  byId('rig').classList.toggle('stale', colour === 'lost' || isStale(app));
-  cell('rigAge', 'Data age', age, ageUnit, word ?? text.split(' · ')[0]);
-  byId('rigLamp').className = colour;
-  byId('rigLamp').textContent = SIGNS[colour] ?? '–';
+  const place = off > LIFTED ? `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}` : Number.isFinite(off) ? 'on bottom' : '';
+  cell('rigBit', 'Bit depth', ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : place || trueDepth);
+  writeData(app);
+  writeWorst(app, ends);
+  byId('rigBodies').hidden = !app.string;
+  byId('rigHoleCell').hidden = Boolean(app.string);
+  if (app.string) writeBodies(app);
+  else cell('rigHole', `Hole size, last ${showDepth(ends[1] - ends[0], units, 0)}`, ...holeSize(app));
   const strip = /** @type {HTMLImageElement} */ (byId('rigChannels')); // the server draws it
   strip.hidden = !app.channels;
-  const source = `api/channels.svg${location.search || '?'}&theme=${view.theme}&version=${app.channels}`;
+  const source = `api/channels.svg${location.search || '?'}&theme=${theme}&version=${app.channels}`;
   if (app.channels && strip.getAttribute('src') !== source) strip.src = source;
+}
+
+// Write how old the data are and where they end. The picture and the digits of an old state are pale.
+/** @param {App} app */
+function writeData(app) {
+  const { view: { units }, store, bit } = app;
+  const [colour, text, word] = lampWords(app);
+  const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
+  const stale = colour === 'lost' || isStale(app);
+  document.body.classList.toggle('stale', stale);
+  byId('rigAgeCell').className = stale ? 'new' : '';
+  const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
+  const behind = lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
+  cell('rigAge', 'Data age', age, ageUnit, colour === 'live' && (word === 'live' || !word) ? `data to ${showDepth(store.end, units, 1)}${behind}` : word ?? text.split(' · ')[0]);
+  byId('rigLamp').className = colour;
+  byId('rigLamp').textContent = SIGNS[colour] ?? '–';
+}
+
+// Return digits, unit and line below of the hole size of the last metres.
+/** @param {App} app @returns {[string, string, string]} */
+function holeSize({ view: { units }, store, figures: { summary } }) {
+  const { scale, unit } = LENGTHS[units];
+  /** @param {number | null | undefined} metres */
+  const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
+  const bitSize = `bit ${size(2 * store.bitRadius)}`;
+  if (store.basis !== 'gauge' && summary?.mean_diameter) return [size(summary.mean_diameter), unit, `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, ${bitSize}`];
+  return ['–', '', `${store.basis === 'gauge' ? 'not measured' : 'looking'}, ${bitSize} ${unit}`];
 }
 
 // Return digits and unit of a text such as "2048.8 m".
@@ -84,42 +87,80 @@ function parts(text) {
   return [digits, unit];
 }
 
-// Write the worst place, how sure it is, and how far it is from the bit.
+// Write the worst place: how tight or wide it is and how sure that is, and where it is.
 /** @param {App} app @param {number[]} ends */
 function writeWorst(app, ends) {
   const { view: { units }, store, bit, alarms, ahead, zonesTo } = app;
   const worst = worstPlace(app, ends);
-  const way = ahead?.above ? 'above' : 'below';
-  const head = ahead ? `Worst ${(ahead.places ?? 1) > 1 ? `of ${ahead.places} ` : ''}${way}` : worst?.zone ? `Worst: ${worst.zone.kind}, ${IN_WORDS[worst.zone.kind]}` : `Worst, last ${showDepth(ends[1] - ends[0], units, 0)}`;
-  byId('rigWorstCell').className = !worst ? '' : !ahead && worst.zone && alarms.isNew(worst.zone) ? 'new' : 'zone';
-  if (worst) {
-    const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
-    const above = bit === null ? NaN : bit - worst.stop;
-    const below = bit === null ? NaN : worst.start - bit;
-    // Another body meets the place before the bit does, so what is said is where the place is; on the other side, nothing.
-    const away = above > 0 && ahead?.above !== false ? `, ${showDepth(above, units, 0)} above bit` : below > 0 && !ahead?.above ? `, ${showDepth(below, units, 0)} below bit` : '';
-    return cell('rigWorst', head, digits, `${unit}${Number.isNaN(worst.sure) ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${away}`);
+  const moves = worst?.way && ahead?.moving === worst.way;
+  byId('rigWorstCell').className = !worst ? '' : worst.way || !worst.zone || !alarms.isNew(worst.zone) ? 'zone' : 'new';
+  byId('rigWhereCell').className = moves ? 'new' : '';
+  if (!worst) {
+    const last = `seen in ${showSpan(ends[0], ends[1], units)}`;
+    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : ['none', last];
+    cell('rigWorst', 'Worst place', digits, '', more);
+    return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
-  if (store.basis === 'gauge') return cell('rigWorst', head, '–', '', 'not measured');
-  if (zonesTo === null) return cell('rigWorst', head, 'looking', '', 'for zones');
-  return store.span[1] - zonesTo > ZONES_LATE ? cell('rigWorst', head, 'looking', '', `none to ${showDepth(zonesTo, units, 1)}`) : cell('rigWorst', head, 'none', '', `seen in ${showSpan(ends[0], ends[1], units)}`);
+  const { start, stop, zone, sure, way, first, places, sticksAt } = worst;
+  const side = way === 'up' ? 'above' : 'below';
+  const [head, what] = way ? [`Worst ${places > 1 ? `of ${places} tight places` : 'place'} ${side}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
+  const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
+  cell('rigWorst', head, digits, `${unit}${rangeOf(worst, units)}`, Number.isNaN(sure) ? `${what}, uncertainty not known` : way ? `${percent(sure)} sure that the ${what}` : `${what}, ${percent(sure)} sure`);
+  const left = bit === null ? NaN : way ? (bit - sticksAt) * (way === 'up' ? 1 : -1) : bit > stop ? bit - stop : Math.max(0, start - bit);
+  const from = way ? `${first} sticks there ${left > NOW ? 'in' : ''}` : bit !== null && bit > stop ? 'Above bit' : 'Below bit';
+  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units));
 }
 
-// Write what the string above the bit clears where it is now; or, in hole that no sensor has passed, where it last was in
-// measured hole.
+// Return the interval of a size in words, behind the number.
+/** @param {{ low?: number | null, high?: number | null }} of @param {Units} units */
+function rangeOf({ low, high }, units) {
+  const [least, most] = [low ?? NaN, high ?? NaN].map((one) => showSigned(one, units, units === 'mm' ? 0 : 2).split(' ')[0]);
+  return least === '–' || most === '–' ? '' : ` (${least} to ${most})`;
+}
+
+// Return a distance to move as digits and unit.
+/** @param {number} metres @param {Units} units @returns {[string, string]} */
+const distance = (metres, units) => (metres > NOW ? parts(showDepth(metres, units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
+
+// Write a row for each of the widest bodies, in the order in which they hang: what it clears now, and how far it moves up or
+// down until it sticks. In hole that no sensor has passed, what it cleared where it last was in measured hole.
 /** @param {App} app */
-function writeString({ view: { units }, string }) {
-  const at = string?.above_bit;
-  /** @param {number} metres */
-  const size = (metres) => parts(showSigned(metres, units, units === 'mm' ? (Math.abs(metres) < 1e-3 ? 1 : 0) : 2));
-  const body = at ? at.body[0].toUpperCase() + at.body.slice(1) : 'String';
-  const unsure = at && at.low !== null && at.high !== null && at.low + at.high < ONE_IN_FOUR * (at.high - at.low); // to stick
-  const does = !at ? 'clearance' : at.clearance < 0 ? 'sticks' : unsure ? 'may stick' : at.at_most ? 'clears at most' : 'clears';
-  const short = at && at.short > 0.05 ? showDepth(at.short, units, 1) : '';
-  const head = `${body} ${does}`;
-  byId('rigStringCell').className = at && at.clearance < 0 ? 'new' : unsure ? 'zone' : '';
-  if (!at) return cell('rigString', head, '–', '', at === undefined ? string?.why || 'no bit depth received' : 'no measured hole beside it');
-  const range = at.low === null || at.high === null ? '' : `${size(at.low)[0]} to ${size(at.high)[0]}`;
-  const sure = range ? `${range}, 95 % sure` : 'no known uncertainty';
-  return cell('rigString', head, ...size(at.clearance), short ? `${range && `${range}, `}measured ${short} above it` : sure);
+function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: hole }) {
+  const { bodies = [], hanging = [], why = '' } = string ?? {};
+  const shown = bodies.map((_, i) => i).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, ROWS).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  /** @type {string[][]} */
+  const rows = shown.map((i) => {
+    const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
+    const [least, greatest] = [low ?? NaN, high ?? NaN];
+    const isStuck = clearance < 0 && !(greatest > 0);
+    const unsure = bodies[i][0] < 2 * store.bitRadius && least + greatest < ONE_IN_FOUR * (greatest - least); // a bit always touches the hole that it drilled
+    const note = Number.isNaN(clearance) ? why || 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
+    const ways = [0, 1].map((side) => {
+      const at = ahead?.bodies[i]?.[side];
+      if (!ahead || (side && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
+      if (at === null || at === undefined || bit === null) return 'none';
+      return distance((bit - at) * (side ? -1 : 1), units).join(' ');
+    });
+    const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
+    const state = short > NOW ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
+    return [state, name, note.trim(), showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
+  });
+  const text = JSON.stringify([rows, ahead?.moving]);
+  const at = byId('rigBodies');
+  if (at.dataset.text === text) return;
+  at.dataset.text = text;
+  at.style.setProperty('--rows', String(rows.length));
+  /** @param {string} tag @param {string} textContent @param {string} [className] */
+  const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
+  const heads = ['Clearance', 'now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
+  at.replaceChildren(...heads, ...rows.flatMap(([state, name, note, ...values]) => {
+    const label = make('p', name, `${state} name`);
+    label.append(make('small', note));
+    return [label, ...values.map((one) => {
+      const [digits, unit] = parts(one);
+      const value = make('p', digits, `${state} size${one === 'none' ? ' soft' : ''}`);
+      value.append(make('small', unit && ` ${unit}`));
+      return value;
+    })];
+  }));
 }

@@ -14,9 +14,9 @@ const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above 
 export function hung({ string, view, bit, store, curves }) {
   if (!string) return null;
   const bottom = view.string ?? bit ?? Math.min(store.span[1], view.bottom);
-  if (view.rig && string.above_bit) { // what rig mode writes
-    const { clearance, low, high, depth } = string.above_bit;
-    return { ...string, bottom, clearance, low: low ?? NaN, high: high ?? NaN, tightest: depth ?? NaN };
+  if (view.rig && string.hanging) { // what rig mode writes
+    const [least] = string.hanging.filter(({ clearance, short }) => clearance !== undefined && !short).sort((a, b) => (a.clearance ?? 0) - (b.clearance ?? 0));
+    return { ...string, bottom, clearance: least?.clearance ?? NaN, low: least?.low ?? NaN, high: least?.high ?? NaN, tightest: least?.depth ?? NaN };
   }
   const [clearance, low, high, above] = VALUES.map((name) => {
     const held = string.why ? null : curves.need(name);
@@ -31,7 +31,7 @@ export function clearanceText({ why, clearance, low, high }, units) {
   const digits = units === 'mm' ? 1 : 2;
   if (why) return why;
   if (Number.isNaN(clearance)) return 'not measured';
-  const sure = Number.isNaN(low) ? 'no known uncertainty' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95 %`;
+  const sure = Number.isNaN(low) ? 'uncertainty not known' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95 %`;
   return `${clearance < 0 ? 'does not pass: ' : ''}${showSigned(clearance, units, digits)} (${sure})`;
 }
 
@@ -83,7 +83,8 @@ export function drawString(ink, look) {
     if (!Number.isNaN(y)) line(ink, middle - reach - 8, y, middle + reach + 8, y, colour, [], 5);
     const at = Number.isNaN(y) || y < rect.top + 12 || y > rect.top + rect.height - 12 ? Math.min(rect.top + rect.height - 10, Math.max(rect.top + 12, yOf(view, rect, string.bottom) + 12)) : y - 12;
     ink.font = BOLD;
-    if (!view.rig) label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units), shortText(string, view.units).split(',')[0]], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
+    if (view.rig) label(ink, Number.isNaN(y) ? '' : 'tightest', middle + reach + 8, y - 9, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
+    else label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units), shortText(string, view.units).split(',')[0]], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
   });
 }
 

@@ -59,7 +59,8 @@ export function drawAxisLabels(ink, look) {
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     const high = y < rect.top + 12; // no room above the tick
-    label(ink, depthNumber(depth, view.units, digits), end, high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: high ? 'top' : 'bottom', font: FONT, yields: true });
+    const alone = view.rig && !path.trueDepth; // at its tick
+    label(ink, depthNumber(depth, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
     const tvd = path.tvd(depth);
     if (Number.isNaN(tvd) || high || y > rect.top + rect.height - 14) continue;
     label(ink, depthNumber(tvd, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
@@ -156,7 +157,7 @@ export function outside({ view, store, growing }, rect) {
   /** @param {number} depth @param {boolean} drilled @param {string} end */
   const words = (depth, drilled, end) => {
     const at = showDepth(depth, view.units, 1);
-    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, 'not measured yet', 'no data yet'] : [`${end} of data, ${at}`, `${end} of data`];
+    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`] : [`${end} of data, ${at}`, `${end} of data`];
   };
   return [
     { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: words(shallow, !down, 'start') },

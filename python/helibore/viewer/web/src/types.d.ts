@@ -63,8 +63,8 @@ type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
 interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number } // toolface: axis of a breakout, side of a key seat
 // A string of rigid bodies, and where it hangs.
 type RigidBody = [diameter: number, length: number, position: number];
-interface AboveBit { body: string; clearance: number; low: number | null; high: number | null; depth: number | null; at_most: boolean; short: number }
-interface RigidString { bodies: RigidBody[]; why: string; above_bit?: AboveBit | null }
+interface Hanging { name: string; clearance?: number; low?: number | null; high?: number | null; depth?: number | null; at_most?: boolean; short?: number }
+interface RigidString { bodies: RigidBody[]; why: string; hanging?: Hanging[] }
 interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number }
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
@@ -112,9 +112,13 @@ interface Handshake {
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
-interface TightAhead { sticks_at: number; above: boolean; top: number; bottom: number; body: string; diameter: number; needed: number; places?: number; worst?: [top: number, bottom: number, excess: number] | null; tightest?: [lowerEnd: number, body: number][]; moving?: boolean }
+type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
+interface TightAhead { places: number; worst: TightPlace }
+interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down' }
+type Chance = [sure: number, low: number, high: number] | null;
+interface WorstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; low: number; high: number; way: string; sticksAt: number; first: string; places: number }
 interface State {
-  channels?: number; ahead?: TightAhead | null; ahead_sure?: (number | null)[];
+  channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; zones_to?: number | null; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }

@@ -5,7 +5,7 @@ import { depthAt, layout, yOf } from '../src/layout.js';
 import { gridIndices, niceStep, pickStride, rowsShown, steps, tubeFor } from '../src/lod.js';
 import { printScale } from '../src/panel.js';
 import { leftEdge, Path } from '../src/path.js';
-import { lampWords } from '../src/lamp.js';
+import { lampWords, Pace } from '../src/lamp.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
 import { outside, scaleLength } from '../src/tracks.js';
 import { ticks, View } from '../src/view.js';
@@ -63,7 +63,7 @@ test('true depth is known where the server says so, and nowhere else', () => {
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
   const words = (bitDepth, pitch, more = {}) => lampWords({
-    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, received: null, ended: false, alarms: { feed: [] }, lost: [], sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, received: null, ended: false, alarms: { feed: [] }, lost: [], sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' }, pace: new Pace(),
     store: { end: 1050, span: [1000, 1050], levels: [{ pitch }] }, ...more,
   });
   assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit', 'live']);
@@ -72,6 +72,10 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, received: Date.now() / 1000 - 2 }), ['live', '3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
+  const pace = new Pace();
+  for (const at of [100, 101, 102, 104, 105, 105]) pace.note(at);
+  const [long, short] = [9, 2].map((age) => words(1050, 0.1, { received: Date.now() / 1000 - age, newest: 0, pace })[0]);
+  assert.deepEqual([long, short], ['late', 'live'], 'a source that sends every second is late after 9 s');
   assert.deepEqual(words(null, 0.1, { newest: null, ended: true }), ['', 'not live · wall 1000.0–1050.0 m', 'not live'], 'whether it was saved is not known');
   assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['', 'waiting']);
   assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
