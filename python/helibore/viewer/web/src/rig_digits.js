@@ -138,6 +138,7 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
+      if (isStuck && !(short > NOW)) return 'now'; // what lies ahead is looked for less often than what hangs here
       if (at === null || at === undefined || bit === null) return 'none';
       return distance((bit - at) * (side ? -1 : 1), units).join(' ');
     });
@@ -158,7 +159,7 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
     label.append(make('small', note));
     return [label, ...values.map((one) => {
       const [digits, unit] = parts(one);
-      const value = make('p', digits, `${state} size${one === 'none' ? ' soft' : ''}`);
+      const value = make('p', digits, `${state} size${'none –'.includes(one) ? ' soft' : ''}`);
       value.append(make('small', unit && ` ${unit}`));
       return value;
     })];
