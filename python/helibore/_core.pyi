@@ -61,6 +61,7 @@ def fit_covariance(
     block_size: int,
     radius: float,
     least_noise: float,
+    spacing: float,
     instruction_set: str = "automatic",
 ) -> list[float]: ...
 def calibrate(

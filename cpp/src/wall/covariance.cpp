@@ -40,6 +40,7 @@ constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 // but it was where it was higher than no turn, and than turns that differ by `other_turn`, by so many nats a block.
 constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0}, turn_gain = 4.0;
 constexpr std::size_t turns = 61, long_along = 5;  // index of the length along the hole of the long term
+constexpr double least_share = 0.7;                // of the spacing of samples: the long term along the hole
 constexpr double enough = 0.003;                   // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
 
@@ -70,7 +71,7 @@ struct Place {
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
-    Place best(double least_noise);
+    Place best(double least_noise, double spacing);
 
   private:
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
@@ -310,9 +311,10 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
     return fine;
 }
 
-Place Fit::best(double least_noise) {
+Place Fit::best(double least_noise, double spacing) {
     const double r = radius_;
-    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02, least_noise, 1e-12, 0.003, 0.006},
+    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise,
+                   1e-12, 0.003, 0.006},
                   {1e-2, 4.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
     for (std::size_t p = 0; p < most; ++p) {
         limits.low[p] = logarithm(limits.low[p]);
@@ -332,18 +334,19 @@ Place Fit::best(double least_noise) {
 }  // namespace
 
 std::vector<double> fit_covariance(const SampleColumns& samples, Index block_size, double radius, double least_noise,
-                                   InstructionSet instruction_set) {
+                                   double spacing, InstructionSet instruction_set) {
     const StandardArithmetic standard;
     require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
     require(least_noise >= 1e-12 && least_noise <= 1e-2, "least_noise", least_noise, "must lie in 1e-12 to 0.01 m^2");
+    require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
     const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
     const SampleColumns from{columns[0], columns[1], columns[2]};
     from.validate(1);
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
-    const Place best = fit.best(least_noise);
+    const Place best = fit.best(least_noise, spacing);
     std::vector<double> values{rounded(radius), rounded(exponential(best.at[noise]))};
     for (std::size_t p = 0; p < best.count; ++p)
         if (p != noise) values.push_back(rounded(exponential(best.at[p])));

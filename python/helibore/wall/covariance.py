@@ -93,7 +93,8 @@ def fit_covariance(samples: Columns, step: float = 0.0) -> Covariance | None:
     middle = float(np.median(radius))
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
-    values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, step**2 / 48.0))
+    spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
+    values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, step**2 / 48.0), spacing)
     return covariance_of(values)
 
 
