@@ -233,6 +233,7 @@ export function bindControls(app) {
   on('theme', 'click', () => view.toggleTheme());
   on('fit', 'click', () => app.renderer.fit());
   on('fly', 'click', () => toggleFlight(app));
+  on('whole', 'click', () => view.toggleWhole());
   on('keys', 'click', openHelp);
   on('copy', 'click', () => app.selection.copy());
   on('pin', 'click', () => app.selection.keepSection());
@@ -324,6 +325,7 @@ const KEYS = {
   PageDown: along(0.9),
   h: (app) => app.renderer.fit(),
   i: ({ view }) => view.nextCamera(),
+  o: ({ view }) => view.toggleWhole(),
   t: ({ view }) => view.toggleTheme(),
   c: (app) => app.selection.copy(),
   r: (app) => app.replay.toggle(),

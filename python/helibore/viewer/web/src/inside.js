@@ -21,7 +21,7 @@ export function placeInside(camera, gpu, { path, view, store, wallRect }, head) 
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
 }
 
-const BEFORE = 2.5; // radii of the drawn hole from the eye to the held cursor
+const BEFORE = 5; // radii of the drawn hole from the eye to the held cursor: a plane of 70 degrees is then seen whole
 
 // Return the depth of the eye: before the cursor, if it is held in the section, else at the end of the section.
 /** @param {{ view: View, store: Store }} of */

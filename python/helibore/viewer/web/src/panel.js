@@ -108,6 +108,8 @@ export function reflect(view, quantity, image) {
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) set(id, String(view[id]));
   byId('tube').hidden = view.camera === 'straight';
   byId('fit').hidden = view.camera !== 'outside';
+  byId('whole').hidden = view.camera === 'straight';
+  byId('whole').classList.toggle('on', view.tab === '3d');
   byId('fly').hidden = byId('film').hidden = !isInside(view);
   const paper = paperScale(view, image);
   const { depth } = LENGTHS[view.units];

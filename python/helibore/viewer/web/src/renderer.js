@@ -98,7 +98,7 @@ export class Renderer {
     const dips = picking.shown && (picking.on || !PHONE.matches || store.basis === 'gauge'); // a phone has room for the caliper or the dips
     /** @type {[string, number][]} */
     const columns = (store?.columns ?? []).flatMap((name, i) => (view.curves.includes(name) ? [[`column${i}`, store.placed.some((one) => one[3] === name && one[4]) ? 100 : 132]] : []));
-    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, columns, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, columns, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: view.rig ? null : NARROW.matches ? view.tab : straight || view.tab !== '3d' ? null : '3d' };
   }
 
   // Whether the hole is drawn straightened, with the same depth axis as the tracks.

@@ -124,6 +124,11 @@ export class View extends Settings {
     this.#change({ camera: all[(all.indexOf(this.camera) + 1) % all.length] });
   }
 
+  // Show the hole over the full width, or beside the tracks; on a narrow screen these are tabs.
+  toggleWhole() {
+    this.#change({ tab: this.tab === '3d' ? 'log' : '3d' });
+  }
+
   // Put the cursor somewhere, or remove it; `pinned`: it stays there when the pointer moves.
   /** @param {Cursor | null} cursor @param {boolean} [pinned] */
   point(cursor, pinned = this.pinned) {
