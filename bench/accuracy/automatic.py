@@ -5,9 +5,9 @@
 Classes of cases: rotating tools; tools with 2 to 12 arms, one to eight passes, that turn or not; telemetry; heavy
 tails; noise twice the shape; holes that change character; radii in steps of 0.1 inch. A ratio is the rms error of the
 automatic wall over that of the default or of the tuned one, within the hole but for half a metre at its ends; means are
-geometric. Intervals: the share of vertices with a sigma at which 1.96 sigma holds the truth. The last line has costs,
-in processor time on one thread: of the fit and choice, and of a vertex with near and far neighbours over one by inverse
-distance.
+geometric. Intervals: the share of vertices with a sigma at which 1.96 sigma holds the truth; and the same of C1 - C2
+and of the volume of turns, whose truth is measured at every degree. The last line has costs, in processor time on one
+thread: of the fit and choice, and of a vertex with near and far neighbours over one by inverse distance.
 """
 
 from __future__ import annotations
@@ -140,7 +140,30 @@ class Measured(NamedTuple):
     over_tuned: float
     holds: float  # share of the vertices with a sigma
     stated: float  # share of the vertices that have a sigma
+    shape_holds: float  # share of the turns with an uncertainty of C1 - C2
+    volume_holds: float
     estimator: str
+
+
+def turns_hold(case: Case, logs: hb.Logs) -> tuple[float, float]:
+    """Return the shares of the turns whose C1 - C2 and volume are within 1.96 times their uncertainty."""
+    inside = np.flatnonzero((logs.depth > EDGE) & (logs.depth < LENGTH - EDGE))
+    toolface = np.arange(360.0)
+    at = np.repeat(logs.depth[inside], toolface.size), np.tile(toolface, inside.size)
+    radius = case.truth(*at).reshape(-1, toolface.size)
+    across, turn = radius + np.roll(radius, -180, axis=1), np.arange(inside.size)
+    greatest = np.argmax(across, axis=1)
+    shape = across[turn, greatest] - across[turn, (greatest + 90) % 360]
+    volume = np.pi * np.mean(radius**2, axis=1) * logs.pitch
+    found = []
+    for real, value, sigma in (
+        (shape, logs.c1 - logs.c2, logs.c1_c2_sigma),
+        (volume, logs.volume, logs.volume_sigma),
+    ):
+        known = np.isfinite(sigma[inside])
+        held = np.abs(value[inside] - real)[known] <= 1.96 * sigma[inside][known]
+        found.append(float(np.mean(held)) if known.any() else np.nan)
+    return found[0], found[1]
 
 
 def measure(case: Case, tuned: bool) -> Measured:
@@ -161,12 +184,18 @@ def measure(case: Case, tuned: bool) -> Measured:
     known = inside & np.isfinite(sigma)
     holds = np.mean((np.abs(found.radius - truth) <= 1.96 * sigma)[known]) if known.any() else np.nan
     stated = float(known.sum() / inside.sum())
-    return Measured(case.name, over_default, over_tuned, float(holds), stated, found.settings.estimator)
+    of_turns = turns_hold(case, found.logs(sigma=True))
+    return Measured(case.name, over_default, over_tuned, float(holds), stated, *of_turns, found.settings.estimator)
 
 
 def _ratio(of: list[float]) -> str:
     known = np.array([each for each in of if np.isfinite(each)])
     return f"{np.exp(np.log(known).mean()):.3f}, {known.max():.3f}" if known.size else "-"
+
+
+def _shares(of: list[float]) -> str:
+    known = 100 * np.array([each for each in of if np.isfinite(each)])
+    return f"{known.mean():.1f}, {known.min():.0f}" if known.size else "-"
 
 
 def costs(seed: int) -> str:
@@ -203,12 +232,14 @@ def main() -> None:
         for case in make(given.seed):
             found.append(measure(case, tuned))
             print(f"{name}: " + ", ".join(f"{of:.3f}" if isinstance(of, float) else of for of in found[-1]), flush=True)
-        holds = [of.holds for of in found if np.isfinite(of.holds)]
-        interval = f"{100 * np.mean(holds):.1f}, {100 * min(holds):.0f}" if holds else "-"
+        shares = [[of.holds for of in found], [of.shape_holds for of in found], [of.volume_holds for of in found]]
+        interval = " | ".join(_shares(of) for of in shares)
         over = [_ratio([of.over_default for of in found]), _ratio([of.over_tuned for of in found])]
         rows.append(f"| {name} | {len(found)} | {over[0]} | {over[1]} | {interval} |")
-    print("\n| class | cases | over the default: mean, worst | over tuned | intervals hold, %: mean, worst |")
-    print("\n".join(["| --- | --- | --- | --- | --- |", *rows]))
+    print(
+        "\n| class | cases | over the default: mean, worst | over tuned | intervals, %: mean, worst | C1-C2 | volume |"
+    )
+    print("\n".join(["| --- | --- | --- | --- | --- | --- | --- |", *rows]))
     print(costs(given.seed))
 
 

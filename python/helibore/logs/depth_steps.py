@@ -19,7 +19,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
 from helibore.logs.late_columns import LateColumns
-from helibore.logs.log_columns import CIRCLE, COLUMNS, INNER, LOBES, WORN
+from helibore.logs.log_columns import CIRCLE, COLUMNS, INNER, LOBES, SHAPE_SIGMA, WORN
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
@@ -45,12 +45,16 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
         lobes = {name: of_turns[name][order][turns][highest] for name in LOBES}
         return {name: gather(of_turns[name], "mean") for name in CIRCLE} | lobes
 
+    def uncertain() -> dict[str, Floats]:
+        return {name: gather(of, "mean") for name, of in columns["uncertain"].items()}
+
     inside = columns["depth"][order][turns].size
     rules = {of.name: of.by_step for of in COLUMNS} | dict.fromkeys(INNER, "mean")
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
         **{name: gather(columns[name], rule) for name, rule in rules.items() if rule != "own"},
         "worn": LateColumns(WORN, worn),
+        "uncertain": None if columns["uncertain"] is None else LateColumns(tuple(SHAPE_SIGMA), uncertain),
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),
@@ -58,7 +62,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
             gather(columns["diameter_sigma"] ** 2, "mean"),
             gather(columns["sampled"], "least"),
             np.diff(starts, append=inside) * abs(pitch) / (ALIKE_ALONG * gather(columns["alike"], "mean")),
-            2 * np.hypot(columns["caliper_accuracy"], gather(columns["echo_sigma"], "mean")),
+            2 * np.hypot(columns["caliper_accuracy"], gather(columns["shared_sigma"], "mean")),
         ),
         "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),
         "volume": np.pi * square * step,

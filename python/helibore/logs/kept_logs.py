@@ -67,6 +67,6 @@ def _is_placed(logs: Logs, wall: Any) -> bool:
 
 def _without_sigma(logs: Logs) -> Logs:
     nothing = np.full(len(logs), np.nan)
-    plain = replace(logs, diameter_sigma=nothing, with_sigma=False, caliper_accuracy=0.0)
+    plain = replace(logs, diameter_sigma=nothing, with_sigma=False, uncertain=None, caliper_accuracy=0.0)
     vars(plain).update({name: vars(logs)[name] for name in ("sparse", "_along") if name in vars(logs)})
     return plain

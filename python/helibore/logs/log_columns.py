@@ -73,7 +73,18 @@ COLUMNS = tuple(
     )
 )
 
-INNER = ("sampled", "alike", "echo_sigma")
+SHAPE_SIGMA = {
+    name: Definition(name, mnemonic, unit, f"Standard uncertainty of {of}", "mean")
+    for name, mnemonic, unit, of in (
+        ("c1_sigma", "C1_SIGMA", "m", "C1"),
+        ("c2_sigma", "C2_SIGMA", "m", "C2"),
+        ("c1_c2_sigma", "C1_C2_SIGMA", "m", "C1 less C2"),
+        ("ovality_sigma", "OVAL_SIGMA", "", "OVAL_API"),
+    )
+}
+"""Logs of how sure the diameters of a turn are, by name; files have them with DEQ_SIGMA. A step has their means."""
+
+INNER = ("sampled", "alike", "shared_sigma")
 """Logs that files do not have; a step has their means."""
 LOBES = tuple(f"lobe{number}_{name}" for number in (1, 2) for name in ("toolface", "width", "height", "pipe"))
 """Logs of lobes, of which files have one, ``lobe1_height``; a step has those of the turn with the highest lobe."""

@@ -37,7 +37,8 @@ from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import ALIKE_ALONG, by_step
 from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
-from helibore.logs.log_columns import COLUMNS, WORN
+from helibore.logs.log_columns import COLUMNS, SHAPE_SIGMA, WORN
+from helibore.logs.shape_sigma import shape_sigma
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
 from helibore.settings.cement_settings import CementJob
@@ -90,6 +91,10 @@ RUGOSITY_WINDOW = 1.0
 
 def _worn(name: str) -> cached_property[Floats]:
     return cached_property(lambda logs: logs.worn[name])
+
+
+def _uncertain(name: str) -> cached_property[Floats]:
+    return cached_property(lambda logs: np.full(len(logs), np.nan) if logs.uncertain is None else logs.uncertain[name])
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,13 +180,13 @@ class Logs(Tabular):
         degrees and 0.22 m, or the part of both that holds as many samples as a vertex has neighbours, and independent
         beyond, so they mostly cancel in a mean; between samples that are farther apart they are alike as well, and
         along the hole they do not cancel where less than 0.9 of a turn is measured. The errors of ``caliper_accuracy``
-        and ``echo_sigma`` never cancel. NaN without ``sigma=True``, and where more than a tenth of the vertices of a
+        and ``shared_sigma`` never cancel. NaN without ``sigma=True``, and where more than a tenth of the vertices of a
         turn is not sampled.
     alike
         Share of 30 degrees and 0.22 m over which the errors of the wall are alike.
-    echo_sigma
-        Standard uncertainty that the radii of a turn share by that of the velocity in the mud (`Echo`), metres; 0 for
-        tools without travel times, and where none is stated.
+    shared_sigma
+        Standard uncertainty that the radii of a turn share, metres: by that of the velocity in the mud (`Echo`), and,
+        with near and far neighbours and ``sigma=True``, by the biases of the tool's arms.
     age
         Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest sample of the wall;
         NaN if there is no sample at this depth, or samples have no times.
@@ -197,7 +202,8 @@ class Logs(Tabular):
         What the wall is made from, as in `Caliper`: as a short name, and in words.
     shape
         Source of `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones: ``"wall"``, or
-        ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
+        ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns; but by near and far neighbours
+        it is the wall's, if the arms passed every 30 degrees within the length over which radii are alike.
     reference
         What toolface 0 is, by the path or the first image of the wall: ``"high-side"``, ``"north"`` or
         ``"parallel-transport"``; "": the wall has neither path nor image.
@@ -206,7 +212,13 @@ class Logs(Tabular):
     caliper_accuracy
         Standard uncertainty that all radii share, metres.
     with_sigma
-        Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
+        Whether `table` has the columns DEQ_SIGMA, VOL_SIGMA, C1_SIGMA and so on, also where no turn has a value.
+    uncertain
+        The following columns by name; they are measured when one of them is first read. None without ``sigma=True``.
+    c1_sigma, c2_sigma, c1_c2_sigma, ovality_sigma
+        Standard uncertainty of `c1`, `c2`, their difference and `ovality_api`, by draws of the radii (`shape_sigma`);
+        that of a step is the mean of its turns', as if their errors were one. NaN where a radius of the turn has no
+        uncertainty.
     turns
         Logs of the turns that steps are made from; None: the rows are turns.
     path
@@ -243,7 +255,7 @@ class Logs(Tabular):
     nearest: Floats
     diameter_sigma: Floats
     alike: Floats
-    echo_sigma: Floats
+    shared_sigma: Floats
     age: Floats
     worn: LateColumns = field(repr=False)
     sections: LateColumns = field(repr=False)
@@ -259,10 +271,15 @@ class Logs(Tabular):
     shape: Shape = "wall"
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
+    uncertain: LateColumns | None = field(default=None, repr=False)
     caliper_accuracy: float = 0.0
     path: Path | None = None
     turns: Logs | None = None
 
+    c1_sigma = _uncertain("c1_sigma")
+    c2_sigma = _uncertain("c2_sigma")
+    c1_c2_sigma = _uncertain("c1_c2_sigma")
+    ovality_sigma = _uncertain("ovality_sigma")
     unworn_diameter = _worn("unworn_diameter")
     unworn_0 = _worn("unworn_0")
     unworn_90 = _worn("unworn_90")
@@ -418,7 +435,8 @@ class Logs(Tabular):
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         arms = tuple(of[inside] for of in self.arm_diameter)
         worn, sections = self.worn.between(inside), self.sections.between(inside)
-        part = replace(self, arm_diameter=arms, worn=worn, sections=sections, **columns)
+        uncertain = None if self.uncertain is None else self.uncertain.between(inside)
+        part = replace(self, arm_diameter=arms, worn=worn, uncertain=uncertain, sections=sections, **columns)
         if self.turns is None:  # turns beside the part decide as well
             vars(part)["diameter_range"] = tuple(end[inside] for end in self.diameter_range)
         return part
@@ -481,6 +499,10 @@ class Logs(Tabular):
         sparse = self.basis == "azimuthal" and len(self) > 0 and float(self.coverage.mean()) < COVERED
         return self.shape == "arms" or sparse
 
+    @property
+    def _has_sigma(self) -> bool:
+        return bool(np.isfinite(self.diameter_sigma).mean() >= COVERED)
+
     def warnings(self) -> list[str]:
         """Return a sentence for each restriction that a reader of the numbers must know."""
         return self._warnings_of_shape() + self._warnings_of_path()
@@ -508,7 +530,7 @@ class Logs(Tabular):
         if self.shape == "wall":
             if self.unmeasured_shape and not found:
                 found.append(f"{100 * seen:.0f} % of the turns is measured; the wall between is interpolated")
-                found.append(NO_UNCERTAINTY)
+                found += [] if self._has_sigma else [NO_UNCERTAINTY]
             return found
         few = f"a tool with few arms measured {100 * seen:.0f} % of the turns"
         found.append(f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'")
@@ -543,7 +565,7 @@ class Logs(Tabular):
         found = {"shape": SHAPE_TEXT[self.shape]}
         if self.shape == "arms":
             found["arms"] = f"ARM_DIAMETER, C1, C2 and DMIN: {ARM_MEAN}; single readings are larger and smaller"
-        if self.unmeasured_shape:
+        if self.unmeasured_shape and not self._has_sigma:
             found["uncertainty"] = NO_UNCERTAINTY
         return found
 
@@ -574,6 +596,9 @@ class Logs(Tabular):
         ]
         if self.with_sigma:
             own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL", self.volume_sigma))
+            own += [
+                LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name)) for of in SHAPE_SIGMA.values()
+            ]
         own += self._range_columns()
         own += [
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured, {ARM_MEAN}", values)
@@ -622,6 +647,7 @@ def turn_logs(
     reference: float = math.nan,
     newest: float | None = None,
     caliper_accuracy: float = 0.0,
+    arm_sigma: float = 0.0,
 ) -> Logs:
     """Return the logs of every full turn of a wall, as `Wall.logs` does.
 
@@ -647,6 +673,8 @@ def turn_logs(
     caliper_accuracy
         Standard uncertainty that all radii share, metres: that of the tool's calibration, and for an ultrasonic caliper
         that of the sound velocity in the mud. `Logs.diameter_sigma` counts it in full.
+    arm_sigma
+        The same by the biases of the tool's arms, if the samples show them.
 
     Raises
     ------
@@ -674,14 +702,23 @@ def turn_logs(
     found["sampled"] = _share(wall, "sampled", with_radius) if hasattr(wall, "sampled") else found["coverage"].copy()
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
-    if turns and getattr(wall, "arms", None) is not None and found["sampled"].mean() < SEES_ALL_AROUND:
+    few = turns and getattr(wall, "arms", None) is not None and found["sampled"].mean() < SEES_ALL_AROUND
+    if few and not getattr(wall, "has_shape", False):
         found |= _from_arms(wall, depth, found)
     counts = _counts(wall)
     worn = LateColumns(WORN, lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
     alike = _alike(wall, depth)
-    of_echo = _echo_sigma(wall, depth, np.sqrt(square))
+    shared = np.hypot(_echo_sigma(wall, depth, np.sqrt(square)), arm_sigma)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
+    around_alike = alike if sigma is None else _alike_around(wall, alike)
+    uncertain = None
+    if sigma is not None:
+        radii, sigmas = (of[: turns * K].reshape(turns, K) for of in (radius, column("sigma", sigma)))
+        stated = {"c1": most, "c2": found["c2"], "ovality_api": ovality}
+        accuracy = np.hypot(caliper_accuracy, shared)
+        measure = partial(shape_sigma, radii, sigmas, around_alike, stated, accuracy)
+        uncertain = LateColumns(tuple(SHAPE_SIGMA), measure)
     return Logs(
         depth=depth,
         equivalent_diameter=2 * np.sqrt(square),
@@ -691,9 +728,9 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
-        diameter_sigma=_diameter_sigma(wall, sigma, alike, np.hypot(caliper_accuracy, of_echo)),
+        diameter_sigma=_diameter_sigma(wall, sigma, around_alike, np.hypot(caliper_accuracy, shared)),
         alike=alike,
-        echo_sigma=of_echo,
+        shared_sigma=shared,
         caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
         worn=worn,
@@ -706,6 +743,7 @@ def turn_logs(
         reference=reference_of(wall) or "",
         reference_assumed=reference_assumed(wall),
         with_sigma=sigma is not None,
+        uncertain=uncertain,
         sections=_sections(wall, turns),
         path=path,
         **found,
@@ -797,21 +835,27 @@ def _alike(wall: WallLike, depth: Floats) -> Floats:
     return share
 
 
-def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, share: Floats, accuracy: Floats) -> Floats:
+def _alike_around(wall: WallLike, share: Floats) -> Floats:
+    """Return the degrees around each turn over which errors are alike; ``share`` is that of `_alike`.
+
+    Between the samples of a turn that are farther apart, the errors are alike as well.
+    """
+    turns, K = share.size, wall.settings.sectors
+    gap: Floats | None = getattr(wall, "angular_gap", None)
+    alike = np.maximum(ALIKE_AROUND * share, 360 / K)
+    return alike if gap is None else np.maximum(alike, gap[: turns * K].reshape(turns, K).mean(axis=1))
+
+
+def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, alike: Floats, accuracy: Floats) -> Floats:
     """Return the standard uncertainty of twice the mean radius of each turn, from that of each radius.
 
-    ``share`` is that of `_alike`, ``accuracy`` what all radii of a turn share. Between the samples of a turn that are
-    farther apart, the errors are alike as well.
+    ``alike`` is that of `_alike_around`, ``accuracy`` what all radii of a turn share.
     """
-    turns = share.size
+    turns = alike.size
     found = np.full(turns, np.nan)
     if sigma is None:
         return found
     K = wall.settings.sectors
-    gap: Floats | None = getattr(wall, "angular_gap", None)
-    alike = np.maximum(ALIKE_AROUND * share, 360 / K)
-    if gap is not None:
-        alike = np.maximum(alike, gap[: turns * K].reshape(turns, K).mean(axis=1))
     of_turns = column("sigma", sigma)[: turns * K].reshape(turns, K)
     sampled = np.isfinite(of_turns).mean(axis=1) >= LEAST_SAMPLED
     square = np.nanmean(of_turns[sampled] ** 2, axis=1)

@@ -43,7 +43,7 @@ class LogSettings(Declared, group="logs"):
     rugosity_window: Annotated[float, METRES, POSITIVE, Option(),
         "Length of hole for rugosity, made an odd number of turns. 1 m at a pitch of 0.1 m is 9 turns.",
     ] = 1.0  # fmt: skip
-    sigma: Annotated[bool, Option(), "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA."] = (
+    sigma: Annotated[bool, Option(), "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, C1_SIGMA..."] = (
         False
     )
     caliper_accuracy: Annotated[float, METRES, NOT_NEGATIVE, Option(),

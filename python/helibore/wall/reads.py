@@ -24,7 +24,7 @@ from helibore.trajectory.survey import Path
 from helibore.wall import archive
 from helibore.wall.interpolation import measured_quads
 from helibore.wall.points import PointValues, values_at
-from helibore.wall.uncertainty import wall_sigma
+from helibore.wall.uncertainty import arm_sigma, wall_sigma
 from helibore.wall.wall_columns import MEASURED, WallColumns
 
 if TYPE_CHECKING:
@@ -265,7 +265,10 @@ class WallReads:
         if (found := state.kept.find(state, how)) is not None:
             return found
         known = self._sigma_of(state) if sigma else None
-        found = turn_logs(state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy)
+        of_arms = arm_sigma(state) if sigma else 0.0
+        found = turn_logs(
+            state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy, arm_sigma=of_arms
+        )
         return state.kept.keep(found, how)
 
     def interval_table(self, criteria: Criteria | None = None, *, sigma: bool = False) -> IntervalTable:
@@ -283,7 +286,8 @@ class WallReads:
         from helibore.logs.zones import classify
 
         state = self._state()
-        logs = turn_logs(state, sigma=self._sigma_of(state) if sigma else None)
+        known, of_arms = (self._sigma_of(state), arm_sigma(state)) if sigma else (None, 0.0)
+        logs = turn_logs(state, sigma=known, arm_sigma=of_arms)
         return interval_table(state, state.intervals, classify(state, criteria, logs))
 
     def drift(self, length: float | str, *, sigma: bool = False) -> Drift:

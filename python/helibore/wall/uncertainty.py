@@ -25,7 +25,7 @@ noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,7 +40,6 @@ from helibore.wall.wall_columns import WallColumns
 TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
-_LONGEST_GAP = 15.0  # metres
 NORMAL_95 = 1.959964
 
 
@@ -104,15 +103,32 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     from helibore.wall.covariance import covariance_of
 
     covariance = covariance_of(wall.settings.covariance or ())
-    longest = max(term.along for term in covariance.terms)
-    gaps = replace(wall, settings=replace(wall.settings, gap_reach=float(np.clip(longest, 0.5, _LONGEST_GAP))))
     variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
     arm = arm_numbers(samples, wall.arms)
     if arm is not None and (of_arms := bias_variance(samples, arm, covariance)) > 0.0:
         variance += of_arms * square_shares(wall.sample_columns, arm, wall.settings, threads)
     sigma: Floats = np.sqrt(variance)
-    sigma[_unmeasured(gaps)] = np.nan
+    sigma[_unmeasured(wall.along_shape)] = np.nan
     return sigma
+
+
+def arm_sigma(wall: WallColumns) -> float:
+    """Return the standard uncertainty that all radii of a wall share by the biases of the tool's arms, metres.
+
+    The mean over a turn takes all arms alike, and their biases are independent. It is 0 if the samples show no biases,
+    or the estimator is not near and far neighbours.
+    """
+    from helibore.wall.arm_biases import arm_numbers, bias_variance
+    from helibore.wall.covariance import covariance_of
+
+    if wall.settings.estimator != "near-and-far" or wall.basis != "azimuthal":
+        return 0.0
+    depth, toolface, radius = wall.sample_columns[:3]
+    arm = arm_numbers((depth, toolface, radius), wall.arms)
+    if arm is None:
+        return 0.0
+    variance = bias_variance((depth, toolface, radius), arm, covariance_of(wall.settings.covariance or ()))
+    return float(np.sqrt(variance / (arm.max() + 1)))
 
 
 def near_and_far_factor(samples: Columns, settings: Settings) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import quad_room, whole_helix
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path
+from helibore.wall.covariance import covariance_of
 
 MEASURED = "measured"
 """Attribute of the meshes of a tool with few arms: 1 for a measured quad, 0 for one that is interpolated."""
@@ -34,6 +35,11 @@ The core's ``MeasuredRule`` says how the change follows from the four nearest sa
 errors of measured vertices are below 1.6 mm, a quarter of the smallest limit of the criteria
 (``python -m bench.accuracy.hazards vertices``).
 """
+
+FARTHEST_ALIKE = 15.0
+"""Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
+SHAPE_GAP = 30.0
+"""Degrees; if the mean gap is at most this, a wall with a covariance has the shape of the hole between its arms."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,6 +78,20 @@ class WallColumns:
         return _core.angular_gaps(
             whole_helix(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
         )
+
+    @cached_property
+    def along_shape(self) -> WallColumns:
+        """This wall, but its `angular_gap` counts samples as far along the hole as the covariance finds radii alike."""
+        longest = max(term.along for term in covariance_of(self.settings.covariance or ()).terms)
+        reach = float(np.clip(longest, 0.5, FARTHEST_ALIKE))
+        return replace(self, settings=replace(self.settings, gap_reach=reach))
+
+    @property
+    def has_shape(self) -> bool:
+        """Whether near and far neighbours saw the hole all around: its shape is that of the wall, not of arms."""
+        if self.settings.estimator != "near-and-far" or not self.radius.size:
+            return False
+        return bool(self.along_shape.angular_gap.mean() <= SHAPE_GAP)
 
     @cached_property
     def measured(self) -> Mask:

@@ -65,14 +65,14 @@ def test_the_uncertainty_reaches_diameters_and_volumes(tmp_path: Path) -> None:
 
     plain, stated = logs(Echo(1500.0, TOOL)), logs(Echo(1500.0, TOOL, velocity_sigma=15.0))
     share = 0.01 * (stated.equivalent_diameter / 2 - TOOL)  # of a radius, by 1 % of the velocity
-    np.testing.assert_allclose(stated.echo_sigma, share, rtol=1e-9)
+    np.testing.assert_allclose(stated.shared_sigma, share, rtol=1e-9)
     np.testing.assert_allclose(stated.diameter_sigma, np.hypot(plain.diameter_sigma, 2 * share), rtol=1e-9)
-    assert (plain.echo_sigma == 0).all()
+    assert (plain.shared_sigma == 0).all()
     steps = stated.by_step(1.0)
-    assert (steps.diameter_sigma >= 2 * steps.echo_sigma * (1 - 1e-9)).all()  # it does not cancel along the hole
+    assert (steps.diameter_sigma >= 2 * steps.shared_sigma * (1 - 1e-9)).all()  # it does not cancel along the hole
     shown = logs(Echo(1500.0, TOOL, casing=CASINGS))
     middle = np.argmin(np.abs(shown.depth - 30))
-    assert 0.0001 < shown.echo_sigma[middle] < stated.echo_sigma[middle]
+    assert 0.0001 < shown.shared_sigma[middle] < stated.shared_sigma[middle]
 
 
 def test_the_deviation_grows_away_from_casing() -> None:
