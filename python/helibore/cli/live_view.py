@@ -201,9 +201,8 @@ class Window:
         if not channels or now < self._channels_due:
             return
         self._channels_due = now + PICTURE_SECONDS
-        newest = max(one.time for one in channels) // SECOND
-        silent = (self._live.model.clock.now // SECOND - newest) // SILENT_SECONDS if newest > 0 else 0
-        self.scene.update_state(channels=newest + max(0, silent) + 2)  # before a value: 1
+        silent = int(self._silence()) // SILENT_SECONDS
+        self.scene.update_state(channels=max(one.time for one in channels) // SECOND + silent + 2)  # before a value: 1
         if self._feed is None or now < self._curves_due:
             return
         self._curves_due = now + CHANNELS_SECONDS
@@ -213,13 +212,17 @@ class Window:
             self._curves_size, self._curves_version = size, self._curves_version + 1
             self.scene.set_curves(curves, self._curves_version)
 
+    def _silence(self) -> float:
+        """Return the seconds since the last bytes of any source, for which the clock of the model stands still."""
+        return min(self._live.ages().values(), default=0.0)
+
     def _read_channels(self) -> list[ShownChannel]:
         from helibore.viewer.channel_strip import ShownChannel
 
-        now, found = self._live.model.clock.now, []
+        now, found, silence = self._live.model.clock.now, [], self._silence()
         for one in list(self._live.model.channels.by_name.values()):
             times, values = (column[-SHOWN_TIMES:].tolist() for column in one.by_time())
-            age = (now - one.time) / SECOND
+            age = (now - one.time) / SECOND + silence
             found.append(ShownChannel(one.name, one.unit, one.value, age, one.beyond, times, values))
         return found
 

@@ -102,12 +102,15 @@ class Outlook:
         is run in, metres; None: nowhere.
     moving
         "up" or "down", if the bit is tripped; "" if it is on bottom or has not moved yet.
+    touching
+        For each body, the diameter with which it counts where it touches, metres.
     """
 
     up: TightAhead | None
     down: TightAhead | None
     bodies: tuple[tuple[float | None, float | None], ...]
     moving: str
+    touching: tuple[float, ...]
 
 
 class Ahead:
@@ -169,10 +172,11 @@ class Ahead:
             [replace(body, diameter=max(0.0, min(body.diameter, size - least))) for body in string]
             for least in (tight, 0.5 * tight)
         )
+        counts = tuple(body.diameter for body in touching)
         length = max(body.position + body.length for body in string)
         stretch = self._stretch(bit - ahead - length, bit + ahead, length)
         if stretch is None:
-            return Outlook(None, None, ((None, None),) * len(string), moving)
+            return Outlook(None, None, ((None, None),) * len(string), moving, counts)
         together = _Tight(stretch, thin, touching)
         alone = [_Tight(stretch, [one], [other]) for one, other in zip(thin, touching, strict=True)]
         sides = [self._side(together, string, bit, ahead, up) for up in (True, False)]
@@ -183,7 +187,7 @@ class Ahead:
             )
             for number, own in enumerate(alone)
         ]
-        return Outlook(sides[0], sides[1], tuple((up, down) for up, down in at), moving)
+        return Outlook(sides[0], sides[1], tuple((up, down) for up, down in at), moving, counts)
 
     def _side(
         self, tight: _Tight, string: Sequence[RigidBody], bit: float, ahead: float, up: bool

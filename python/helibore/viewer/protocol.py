@@ -142,7 +142,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
 def state_message(scene: Scene) -> dict[str, Any]:
     """Return the `RunState` for a page, with the server's clock; its texts are `printable`."""
     state = {name: None if value != value else value for name, value in vars(scene.state).items()}  # NaN is not JSON
-    now = None if state["newest"] is None else round(time.time(), 1)
+    now = None if state["newest"] is None and state["received"] is None else round(time.time(), 1)
     rows = [list(row.values()) for row in scene.state.curves]  # name, unit, low, high, log, version
     curves = {"curves": [row[:-1] for row in rows], "curves_version": sum(row[-1] for row in rows)}
     found: dict[str, Any] = printable_texts({"type": "state", "begun": scene.begun, **state, **curves, "now": now})

@@ -49,6 +49,7 @@ def test_pulling_out_says_what_lies_above_the_bit():
     found = trip.alarms.ahead.found
     assert found is not None
     assert (found.body, found.places, found.worst.tightest > 118) == ("bit", 1, True)
+    assert trip.alarms.ahead.outlook.touching == pytest.approx([0.213]), "bit less half the limit"
     assert found.sticks_at == pytest.approx(TIGHT[1] + 0.3, abs=0.15)  # then the upper end of the body is there
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
     assert found.diameter == pytest.approx(0.206, abs=0.0005)

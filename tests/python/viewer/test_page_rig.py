@@ -79,7 +79,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         place = (2017.5, 2018.5, 0.208, 2018.8, "bit", 2018.4, 0)
         up = {"places": 2, "worst": place}
         bodies = ((2018.8, None), (None, None), (None, 2021.5))
-        ahead = {"up": up, "down": None, "bodies": bodies, "moving": "up"}
+        ahead = {"up": up, "down": None, "bodies": bodies, "moving": "up"} | {"touching": (0.213, 0.17, 0.213)}
         alarms = ("tight ahead: tight hole above the bit at 2020.0 m: from 2017.4 to 2018.6 m 208 mm pass at most",)
         alarms += ("tight: at 2018.10 m the diameter is 7.9 mm below the bit diameter",)
         scene.update_state(bit_depth=2020.0, hole_depth=2026.0, newest=time.time(), ahead=ahead, alarms=alarms)
@@ -137,11 +137,16 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         screen.until(f"{lamp} === 'live' && !Number.isNaN(window.__wall.app.pace.usual)")
         assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # bytes come, without a radius
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
+        scene.update_state(newest=float("nan"))  # a server that was started again
+        screen.until("window.__wall.app.newest === null")
+        assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
+        assert screen.evaluate("Math.abs(window.__wall.app.received - Date.now() / 1000)") < 60
         screen.evaluate("window.__wall.app.received -= 9")
         screen.until(f"{lamp} === 'late'")
         assert not screen.evaluate("document.body.classList.contains('stale')")
         scene.update_state(alarms=("no data rig: nothing for 20 s",))
         screen.until("document.body.classList.contains('stale')")
+        assert screen.inner_text("#alarmText") == "No data from rig"
         scene.update_state(alarms=())
         screen.until("!document.body.classList.contains('stale')")
         scene.update_state(channels=0)
@@ -274,8 +279,8 @@ def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
         viewer.scene.update_state(alarms=alarms)
         screen.until("!document.getElementById('alarm').hidden")
         screen.settle()
-        assert screen.inner_text("#alarmText").splitlines() == ["No data rig", "Refused mwd, +1 more"]
-        assert screen.evaluate(lamp) == ["late", "no data rig +2 more", "lamp late", "!"]
+        assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", "Refused mwd, +1 more"]
+        assert screen.evaluate(lamp) == ["late", "no data from rig +2 more", "lamp late", "!"]
         height = "document.getElementById('alarm').getBoundingClientRect().height"
         banner = screen.evaluate(height)
         assert banner < 110

@@ -12,11 +12,13 @@ const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const READ = 10; // seconds for which rig mode shows the full texts, which cover its digits
-const FIRST = /^tight ahead/; // of the alarms of the feed: the string may stick
+const FIRST = [/^no data/, /^tight ahead/]; // of the alarms of the feed
+/** @param {string} alarm */
+const rank = (alarm) => (FIRST.findIndex((one) => one.test(alarm)) + 3) % 3; // that of another alarm: 2
 export const ABOUT_HOLE = /^(tight|washout)/; // alarms of the feed that are not about data
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
-export const shortOf = (alarm) => alarm.split(': ')[0];
+export const shortOf = (alarm) => alarm.split(': ')[0].replace(/^no data (?=.)/, 'no data from ');
 // Return at most `LINES` texts; the last text says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
@@ -91,9 +93,9 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // Return the alarms of the feed that are not silenced: tight hole ahead, and then the newest.
+  // Return the alarms of the feed that are not silenced: that nothing comes, since all else is old then; tight hole ahead; the newest.
   said() {
-    return this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => Number(FIRST.test(b)) - Number(FIRST.test(a)));
+    return this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => rank(a) - rank(b));
   }
 
   // Return the texts of the alarms: those of the feed, the worst new zone, and the number of the other new zones.

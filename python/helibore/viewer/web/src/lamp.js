@@ -78,9 +78,10 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · wall to ${showDepth(store.end, view.units, 1)}`];
   if (contents) return ['', `export of ${showClock(contents.made)} · wall ${showSpan(store.span[0], store.span[1], view.units)}`];
   const seconds = ageOf({ newest, lastWrite });
+  const fed = received !== null && !ended; // bytes came
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
-  else parts.push('not live');
+  else parts.push(fed ? 'no radius since the start' : 'not live');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const old = !ended && seconds > LATE;
@@ -89,7 +90,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
-  const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live';
+  const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
   return [colour, parts.join(' · '), trouble || (late ? 'no new data' : old ? `last radius ${showAge(seconds)} old` : colour === 'live' ? 'live' : parts[0])];
 }
 

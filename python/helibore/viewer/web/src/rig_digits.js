@@ -132,8 +132,10 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
   const rows = shown.map((i) => {
     const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
     const [least, greatest] = [low ?? NaN, high ?? NaN];
-    const isStuck = clearance < 0 && !(greatest > 0);
-    const unsure = bodies[i][0] < 2 * store.bitRadius && least + greatest < ONE_IN_FOUR * (greatest - least); // a bit always touches the hole that it drilled
+    const isBit = bodies[i][0] >= 2 * store.bitRadius;
+    const spare = ahead ? bodies[i][0] - ahead.touching[i] : isBit ? Infinity : 0; // by which it may be too thick and not count as tight
+    const isStuck = clearance + spare < 0 && !(greatest + spare > 0);
+    const unsure = !isBit && least + greatest < ONE_IN_FOUR * (greatest - least); // a bit always touches the hole that it drilled
     const note = Number.isNaN(clearance) ? why || 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];

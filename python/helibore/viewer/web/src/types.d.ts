@@ -114,7 +114,7 @@ interface Handshake {
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
 interface TightAhead { places: number; worst: TightPlace }
-interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down' }
+interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[] }
 type Chance = [sure: number, low: number, high: number] | null;
 interface WorstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; low: number; high: number; way: string; sticksAt: number; first: string; places: number }
 interface State {
