@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from helibore.base.colors import TOP_COLOR
+from helibore.base.rocks import PATTERN, Rock, rock_of
 from helibore.logs.intervals import Interval, outside_text
 from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LEAST, LINE, SMALL, Sheet
@@ -28,6 +29,8 @@ FILLS = ("#f3f6ef", "#ffffff")
 """Colours of every other interval."""
 STEEL = "#5b6770"
 """Colour of a casing."""
+FINE = 0.32
+"""Millimetres of a unit of the patterns of rocks."""
 ROOM = 1.15
 """Half a track of casings, in outer radii of the widest one."""
 
@@ -80,7 +83,10 @@ class IntervalTrack:
             top, bottom = max(one.start, stretch.top), min(one.stop, stretch.bottom)
             if top >= bottom or one.diameter is not None:
                 continue
-            if not pipes:
+            rock = rock_of(self.name, one.name)
+            if rock:
+                self._draw_rock(axes, rock, top, bottom, one.start, stretch, half)
+            elif not pipes:
                 axes.axhspan(top, bottom, color=FILLS[number % 2], linewidth=0)
             if self.name and not pipes:
                 axes.axhline(top, color=FAINT, linewidth=0.3)
@@ -94,6 +100,24 @@ class IntervalTrack:
             self._draw_pipe(axes, one, diameter, stretch, half)
         self._write_pipes(sheet, x, stretch, along)
         return axes
+
+    def _draw_rock(
+        self, axes: Axes, rock: Rock, top: float, bottom: float, start: float, stretch: Stretch, half: float
+    ) -> None:
+        """Fill with the colour and the pattern of a rock; the pattern begins at the rock's top."""
+        axes.axhspan(top, bottom, color=rock.color, linewidth=0)
+        across, along = FINE * 2 * half / self.width, FINE * (stretch.bottom - stretch.top) / stretch.height
+        wide, tall = PATTERN
+        rows = range(int((top - start) / (tall * along)), int((bottom - start) / (tall * along)) + 1)
+        columns = range(int(2 * half / (wide * across)) + 1)
+        strokes = [
+            [(-half + (wide * i + x0) * across, start + (tall * j + y0) * along),
+             (-half + (wide * i + x1) * across, start + (tall * j + y1) * along)]
+            for j in rows for i in columns for x0, y0, x1, y1 in rock.marks
+        ]  # fmt: skip
+        lines = axes.vlines([], top, bottom, color=FAINT, linewidth=0.3)
+        lines.set_segments(strokes)
+        lines.set_clip_path(axes.axhspan(top, bottom, facecolor="none", edgecolor="none"))
 
     def _write(self, sheet: Sheet, x: float, y: float, text: str, most: int) -> float:
         """Write a name in at most ``most`` lines from ``y`` millimetres down; return the millimetres it takes."""

@@ -4,6 +4,7 @@
 import { wallPoint } from './dips.js';
 import { columnScale } from './gpu.js';
 import { BOLD, fitting, label, PALETTES, SMALL, SMALL_BOLD, within, yOf } from './layout.js';
+import { drawRock, rockColour, rockOf } from './rocks.js';
 import { edges, line, sharp } from './strokes.js';
 import { depthNumber, LENGTHS, showDepth, showLength, showSpan } from './units.js';
 
@@ -77,6 +78,8 @@ export function drawColumns(ink, look) {
 function cell(ink, { view }, rect, interval, palette) {
   const [a, b] = ends(interval).map((depth) => Math.round(yOf(view, rect, depth)));
   const [top, bottom] = [Math.max(a, rect.top), Math.min(b, rect.top + rect.height)];
+  const rock = rockOf(interval[3] ?? '', interval[0]);
+  if (rock) drawRock(ink, rock, { ...rect, top, height: bottom - top }, a, palette, view.theme);
   if (a > rect.top) line(ink, rect.left, a + 0.5, rect.left + rect.width, a + 0.5, palette.line);
   if (b < rect.top + rect.height) line(ink, rect.left, b + 0.5, rect.left + rect.width, b + 0.5, palette.line);
   const most = Math.floor((bottom - top - 2) / LINE);
@@ -84,6 +87,11 @@ function cell(ink, { view }, rect, interval, palette) {
   ink.font = SMALL;
   const width = rect.width - 8;
   const lines = inLines(ink, interval[0], width);
+  if (rock) { // no stroke of the pattern behind the words
+    const wide = Math.max(...lines.slice(0, most).map((text) => ink.measureText(text).width));
+    ink.fillStyle = rockColour(rock, view.theme);
+    ink.fillRect(rect.left + 1, top + 1, Math.min(width, wide) + 7, LINE * Math.min(most, lines.length) + 2);
+  }
   lines.slice(0, most).forEach((text, i) => {
     const shown = i === most - 1 && lines.length > most ? `${lines.slice(i).join(' ')}…` : text;
     label(ink, fitting(ink, [shown], width), rect.left + 4, top + 8 + LINE * i, { colour: palette.ink, font: SMALL });
