@@ -12,7 +12,7 @@ The angles are made from directions in space. Thirty inclinations from 1 to 80 d
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from pathlib import Path
 
@@ -78,9 +78,9 @@ def error(file: Path, path: hb.Path, bearing: Floats) -> tuple[float, bool]:
     return away, any(" agree" in note for note in readings.notes)
 
 
-def main(arguments: list[str]) -> None:
+def main(seed: int) -> None:
     """Print a row for each naming."""
-    rng = np.random.default_rng(int(arguments[0]) if arguments else 1)
+    rng = np.random.default_rng(seed)
     print(f"{'names':34}{'described':>10}{'both':>9}{'azimuth':>9}{'by path':>9}{'agree':>7}")
     with tempfile.TemporaryDirectory() as folder:
         for names in NAMINGS:
@@ -109,4 +109,6 @@ def main(arguments: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    main(parser.parse_args().seed)

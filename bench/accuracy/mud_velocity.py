@@ -14,7 +14,7 @@ casing of nominal diameter from 0 to 600 m, and no other.
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import numpy as np
 
@@ -82,9 +82,8 @@ def measure(kind: str, what: str, seed: int) -> tuple[float, float, float, float
             100 * part * float(np.median(sigma / here)))  # fmt: skip
 
 
-def main(arguments: list[str]) -> None:
+def main(seed: int) -> None:
     """Print a row for each drift."""
-    seed = int(arguments[0]) if arguments else 1
     print(f"{'drift':12}{'casing':10}{'error':>8}{'worst':>8}{'before':>8}{'inside':>8}{'sigma':>8}")
     for what in ("exact", "nominal", "string"):
         rows = []
@@ -102,4 +101,6 @@ def _print(kind: str, what: str, of: Floats) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    main(parser.parse_args().seed)

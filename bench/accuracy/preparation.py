@@ -18,7 +18,7 @@ diameters in 0.1 m, "four arms" four radii in 0.15 m, and both turn slowly. Rows
 
 from __future__ import annotations
 
-import sys
+import argparse
 import warnings
 from collections.abc import Callable
 
@@ -183,8 +183,12 @@ def report(name: str, offset: float, cases: list[DepthFunction]) -> None:
 ROWS = {"toolface": toolface, "depth": depth, "motion": motion, "periodic": repeated}
 
 if __name__ == "__main__":
-    first, last = next((each[8:].split(":") for each in sys.argv[1:] if each.startswith("--seeds=")), ("1", "5"))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("row", nargs="*", help=", ".join(ROWS))
+    parser.add_argument("--seeds", default="1:5", help="first seed, and the one after the last")
+    given = parser.parse_args()
+    seeds = range(*map(int, given.seeds.split(":")))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for row in [each for each in sys.argv[1:] if each in ROWS] or ROWS:
-            ROWS[row](range(int(first), int(last)))
+        for row in given.row or ROWS:
+            ROWS[row](seeds)

@@ -16,7 +16,7 @@ Spikes are off by 8 to 60 mm (logarithmic), to both sides; radii stay above 30 m
 
 from __future__ import annotations
 
-import sys
+import argparse
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -164,5 +164,9 @@ def clean(seed: int) -> None:
 ROWS = {"dense": dense, "arms": arms, "tails": tails, "clean": clean}
 
 if __name__ == "__main__":
-    for row in [each for each in sys.argv[1:-1] if each in ROWS] or ROWS:
-        ROWS[row](int(sys.argv[-1]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("row", nargs="*", help=", ".join(ROWS))
+    parser.add_argument("seed", type=int)
+    given = parser.parse_args()
+    for row in given.row or ROWS:
+        ROWS[row](given.seed)
