@@ -45,10 +45,10 @@ _SIZE_PRIOR, _CENTRE_PRIOR = 0.003, 0.015  # m
 _WIDEST_GAP = 125.0  # degrees
 _ALIKE = 3.0  # knots, beside which the shape of unworn rock is alike
 _FINEST = 5e-5  # m: least deviation of a resting part
-# A wide washout on one side has a first harmonic of at most 1.5 times the growth of the circle that fits it, and of 30
-# times the rest of its shape (bells of up to 340 degrees); a third of each is its deviation. A round hole that is
-# larger than the bit looks the same, so its deviation is that large, too.
-_ONE_SIDED, _SHAPED = 0.5, 10.0
+# Wear on one side (60 to 360 degrees wide, up to 10 mm deep) that passes for unworn puts the centre off by up to 1.8
+# times the growth of the circle; a third of that is its deviation. A crescent of wear leaves a perfect circle. So a
+# round hole that is larger than the bit looks the same, and its deviation is that large, too.
+_ONE_SIDED = 0.6
 
 
 @dataclass(frozen=True)
@@ -325,7 +325,7 @@ def _unworn(at: Floats, curve: Floats, bit: float, noise: float, alike: float) -
     inverse = np.linalg.inv(matrix)
     shape = float(np.sqrt(max(left**2 - noise**2, 0.0)))
     sigma = float(np.sqrt((noise**2 + alike * shape**2) * 0.5 * (inverse[0, 0] + inverse[1, 1])))
-    worn = min(_ONE_SIDED * max(size - bit, 0.0), _SHAPED * shape)
+    worn = _ONE_SIDED * max(size - bit, 0.0)
     return centre, float(np.sqrt(sigma**2 + worn**2 + _FINEST**2)), size
 
 

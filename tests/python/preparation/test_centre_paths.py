@@ -17,17 +17,19 @@ def lobe(angle, at, width):
 
 def growth(kind, position, angle):
     """How much larger the hole is than 108.2 mm of radius, by position along the turns and angle."""
+    if kind == "crescent":  # a circle of 109.7 mm that touches one of 108.2 mm
+        return 0.0015 * np.cos(angle) + np.sqrt(0.1097**2 - (0.0015 * np.sin(angle)) ** 2) - 0.1082
     if kind == "ledges":
         return 0.01 * (np.floor(position / 7) % 2)
     lobes = {
         "round": (), "breakout": ((0.015, 1.0, 60), (0.015, 1.0 + np.pi, 60)), "key seat": ((0.02, 2.0, 60),),
         "uneven": ((0.018, 1.0, 60), (0.007, 4.0, 45)), "washout": ((0.012, 2.0, 250),),
-        "shallow washout": ((0.0028, 2.0, 200),),
+        "shallow washout": ((0.0028, 2.0, 200),), "narrow washout": ((0.003, 2.0, 110),),
     }[kind]  # fmt: skip
     return sum((deep * lobe(angle, at, width) for deep, at, width in lobes), 0 * angle)
 
 
-def seen(kind, far, rate, seed=5):
+def seen(kind, far, rate, seed=5, noise=4e-4):
     """Position, toolface and radius as a tool ``far`` off the axis sees them, and its centre."""
     rng = np.random.default_rng(seed)
     position = (np.arange(TURNS * SAMPLES) + 0.5 * rng.random(TURNS * SAMPLES)) / SAMPLES
@@ -39,7 +41,7 @@ def seen(kind, far, rate, seed=5):
         point = centre + middle * np.exp(1j * angle)
         inside = np.abs(point) < 0.1082 + growth(kind, position, np.angle(point))
         inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
-    return position, np.degrees(angle) % 360, inner + rng.normal(0, 4e-4, angle.size), centre
+    return position, np.degrees(angle) % 360, inner + rng.normal(0, noise, angle.size), centre
 
 
 def errors(kind, position, toolface, radius, away):
@@ -49,15 +51,16 @@ def errors(kind, position, toolface, radius, away):
     return [np.sqrt(np.mean((r - 0.1082 - growth(kind, position, a)) ** 2)) for r, a in pairs]
 
 
-def test_a_shallow_washout_looks_like_a_larger_hole_off_centre_within_the_deviation():
-    position, toolface, radius, _ = seen("shallow washout", 0.0, 0)
+@pytest.mark.parametrize("kind", ["shallow washout", "narrow washout", "crescent"])
+def test_shallow_wear_looks_like_a_larger_hole_off_centre_within_the_deviation(kind):
+    position, toolface, radius, _ = seen(kind, 0.0, 0, noise=5e-5)
     path = find_centre_path(toolface, radius, position, BIT)
     known = np.isfinite(path.rest)
     assert known.any()
     off = path.rest[known]
     farthest = np.maximum(np.abs(off.real), np.abs(off.imag))
     assert np.all(farthest <= 3 * path.rest_sigma[known])
-    before, after = errors("shallow washout", position, toolface, radius, path.at(position)[0])
+    before, after = errors(kind, position, toolface, radius, path.at(position)[0])
     assert after < 1.01 * before
 
 
