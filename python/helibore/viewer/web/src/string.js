@@ -11,12 +11,13 @@ const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above 
 
 // Return where the string is, and what is known of it there; null if there is none.
 /** @param {App} app @returns {Hung | null} */
-export function hung({ string, view, bit, store, curves }) {
+export function hung({ string, view, bit, store, curves, ahead }) {
   if (!string) return null;
   const bottom = view.string ?? bit ?? Math.min(store.span[1], view.bottom);
-  if (view.rig && string.hanging) { // what rig mode writes
-    const [least] = string.hanging.filter(({ clearance, short }) => clearance !== undefined && !short).sort((a, b) => (a.clearance ?? 0) - (b.clearance ?? 0));
-    return { ...string, bottom, clearance: least?.clearance ?? NaN, low: least?.low ?? NaN, high: least?.high ?? NaN, tightest: least?.depth ?? NaN };
+  if (view.rig && string.hanging) { // the tightest, as rig mode judges it
+    const [least] = string.hanging.map((one, i) => ({ ...one, spare: ahead ? string.bodies[i][0] - ahead.touching[i] : 0 })).filter(({ clearance, short }) => clearance !== undefined && !short).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
+    const [clearance = NaN, low = NaN, high = NaN] = least ? [least.clearance, least.low, least.high].map((of) => (of ?? NaN) + least.spare) : [];
+    return { ...string, bottom, clearance, low, high, tightest: least?.depth ?? NaN };
   }
   const [clearance, low, high, above] = VALUES.map((name) => {
     const held = string.why ? null : curves.need(name);
