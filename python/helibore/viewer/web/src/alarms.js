@@ -4,13 +4,12 @@
 
 import { recall, remember } from './memory.js';
 import { byId } from './dom.js';
-import { worstPlace } from './rig.js';
+import { late } from './late.js';
 import { showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
-const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const READ = 10; // seconds for which rig mode shows the full texts, which cover its digits
 const FIRST = [/^no data/, /^tight ahead/]; // of the alarms of the feed
 /** @param {string} alarm */
@@ -23,7 +22,7 @@ export const shortOf = (alarm) => alarm.split(': ')[0].replace(/^no data (?=.)/,
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
 /** @param {Zone} a @param {Zone} b */
-const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
+export const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
 /** @param {Zone[]} before @param {Zone[]} now */
 export const newZones = (before, now) => now.filter((zone) => !before.some((old) => overlap(old, zone)));
 
@@ -106,36 +105,16 @@ export class Alarms {
     return [...this.said(), ...(worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${showSpan(worst.start, worst.stop, units)}, ${sureText(worst)} sure`] : [])];
   }
 
-  // Return the texts for rig mode: one for each place, with the numbers that stand beside it, and one for each alarm about data.
-  // If `whole` is true, the texts say how sure a place is, and why data are missing.
-  /** @param {boolean} whole */
-  places(whole) {
-    const { app: { view: { units }, zones }, app } = this;
-    const worst = app.store ? worstPlace(app) : null;
-    /** @param {Zone} zone */
-    const text = (zone) => {
-      const own = worst?.way && worst.zone && overlap(worst.zone, zone);
-      const { start, stop, measure } = own ? worst : zone;
-      return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${sureText(zone)} sure` : ''}`;
-    };
-    const feed = this.said().map((alarm) => {
-      const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
-      const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
-      const zone = rest ? worst?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
-      return zone ? text(zone) : whole ? alarm : shortOf(alarm);
-    });
-    return [...new Set([...feed, ...byConsequence(this.zones).map(text)])];
-  }
-
   /** @param {View} view */
   write({ units, rig }) {
-    const texts = rig ? this.places(true) : this.texts(units);
+    const places = rig && late(this.app)?.placesOf;
+    const texts = places ? places(this.app, true) : this.texts(units);
     this.whole &&= texts.length > 0;
     const whole = rig && this.whole;
     byId('alarm').hidden = !texts.length;
     byId('alarmWhole').hidden = !whole;
     byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (A)';
-    lines('alarmText', rig ? few(this.places(false)) : [texts.join(' · ')]);
+    lines('alarmText', places ? few(places(this.app, false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }
 }

@@ -1,14 +1,16 @@
 // The digits of rig mode, which are read from three metres. Four questions have a place each, which never changes its meaning:
 // where the bit is, whether data come, the worst place and how sure it is, and the clearance of each body of the string.
 
+import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent, worstPlace } from './rig.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { IN_WORDS, percent } from './zones.js';
+import { byConsequence, IN_WORDS, percent, sureText } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
+const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const NOW = 0.05; // metres: so near is here
 const ROWS = 3; // bodies of the string that rig mode lists
 const MARGIN = 40; // pixels of a cell that its texts leave free
@@ -166,4 +168,25 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
       return value;
     })];
   }));
+}
+
+// Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.
+// If `whole` is true, the texts say how sure a place is, and why data are missing.
+/** @param {App} app @param {boolean} whole */
+export function placesOf(app, whole) {
+  const { alarms, view: { units }, zones } = app;
+  const worst = app.store ? worstPlace(app) : null;
+  /** @param {Zone} zone */
+  const text = (zone) => {
+    const own = worst?.way && worst.zone && overlap(worst.zone, zone);
+    const { start, stop, measure } = own ? worst : zone;
+    return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${sureText(zone)} sure` : ''}`;
+  };
+  const feed = alarms.said().map((alarm) => {
+    const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
+    const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
+    const zone = rest ? worst?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
+    return zone ? text(zone) : whole ? alarm : shortOf(alarm);
+  });
+  return [...new Set([...feed, ...byConsequence(alarms.zones).map(text)])];
 }
