@@ -29,7 +29,8 @@ using Matrix = std::array<Parameters, most>;
 
 constexpr double starts[][few] = {{1e-6, 0.05, 0.06, 4e-6, 0.1, 0.6, 0.25e-6},
                                   {1e-6, 0.03, 0.03, 4e-6, 0.1, 8.0, 1e-6},
-                                  {0.3e-6, 0.06, 0.3, 20e-6, 0.12, 40.0, 4e-6}};
+                                  {0.3e-6, 0.06, 0.3, 20e-6, 0.12, 40.0, 4e-6},
+                                  {1e-6, 0.05, 2.0, 20e-6, 0.08, 100.0, 0.25e-6}};
 constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.15, 0.02, 0.0};  // nats a block for one unit, squared
 constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
@@ -76,6 +77,7 @@ class Fit {
   private:
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
     Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
+    Place likeliest_start(const Limits& limits);
     Place near_turn(const Place& start, const Limits& limits);
     Place with_turn(const Place& found, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
@@ -286,9 +288,13 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
     const bool alone = std::ranges::none_of(peaks, [&](const Place& each) {
         return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - turn_gain;
     });
-    if (alone && turned.value > found.value + turn_gain) return turned;
-    turn_by(0.0);
-    return found;
+    if (!alone || turned.value <= found.value + turn_gain) {
+        turn_by(0.0);
+        return found;
+    }
+    Place again = climb(likeliest_start(limits).at, few, limits, 1, 20);
+    again.turn = best.turn;
+    return again.value > turned.value ? again : turned;
 }
 
 // Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
@@ -311,6 +317,18 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
     return fine;
 }
 
+// Returns the likeliest of what is climbed to from the starts, by half of the blocks.
+Place Fit::likeliest_start(const Limits& limits) {
+    Place best{limits.high, few};
+    for (const auto& values : starts) {
+        Parameters at = limits.low;
+        for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(values[p]);
+        const Place found = climb(limits.clipped(at), few, limits, 2, 8);
+        if (found.value > best.value) best = found;
+    }
+    return best;
+}
+
 Place Fit::best(double least_noise, double spacing) {
     const double r = radius_;
     Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise,
@@ -320,13 +338,7 @@ Place Fit::best(double least_noise, double spacing) {
         limits.low[p] = logarithm(limits.low[p]);
         limits.high[p] = logarithm(limits.high[p]);
     }
-    Place start{limits.high, few};
-    for (const auto& values : starts) {
-        Parameters at = limits.low;
-        for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(values[p]);
-        const Place found = climb(limits.clipped(at), few, limits, 2, 8);
-        if (found.value > start.value) start = found;
-    }
+    const Place start = likeliest_start(limits);
     const Place two = with_turn(climb(start.at, few, limits, 1, 20), limits), three = with_fine(two, limits);
     return three.value > two.value + fine_gain ? three : two;
 }

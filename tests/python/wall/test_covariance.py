@@ -11,7 +11,7 @@ from reference import Floats, exactly, random_hole
 
 import helibore as hb
 from helibore import _core
-from helibore.wall.covariance import Covariance, covariance_of, fit_covariance
+from helibore.wall.covariance import Covariance, Term, choose_blocks, content_seed, covariance_of, fit_covariance
 
 
 def posterior(found: Covariance, depth: Floats, toolface: Floats, radius: Floats) -> float:
@@ -45,6 +45,26 @@ def test_no_other_parameters_near_those_found_are_likelier(shape: str, seed: int
             other[i] *= factor
             if low[i - 1] <= other[i] <= high[i - 1]:
                 assert posterior(covariance_of(other), *samples) < best + 0.01, (i, factor)
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_parameters_far_from_those_found_are_not_likelier(seed: int) -> None:
+    rng, arms, passes = np.random.default_rng(seed), 4, 6
+    depth = np.repeat(np.arange(0.0, 20.0, 0.1), arms * passes)
+    first = np.repeat(rng.uniform(0.0, 360.0, passes), arms) + np.tile(90.0 * np.arange(arms), passes)
+    toolface = np.mod(np.tile(first, 200) + 3.0 * depth, 360.0)
+    breakout = np.exp(-(((np.mod(toolface - 7.0 * depth + 90.0, 180.0) - 90.0) / 22.0) ** 2))
+    radius = 0.109 + 0.016 * breakout * (0.8 + 0.2 * np.sin(depth / 2.0)) + rng.normal(0.0, 5e-4, depth.size)
+    samples = depth, toolface, radius
+    found = fit_covariance(samples)
+    assert found is not None
+    rows = choose_blocks(depth, toolface, found.radius, np.random.default_rng(content_seed(samples)))
+
+    def mean(covariance: Covariance) -> float:
+        return float(np.mean([posterior(covariance, depth[each], toolface[each], radius[each]) for each in rows]))
+
+    slow_and_long = Term(8e-7, 0.06, 2.8), Term(3e-5, 0.077, 140.0)
+    assert mean(Covariance(slow_and_long, 2.4e-7, found.radius, found.turn)) < mean(found)
 
 
 def blocks(count: int, size: int) -> tuple[Floats, Floats, Floats]:
