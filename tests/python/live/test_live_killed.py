@@ -10,6 +10,7 @@ whole journal once, at the end. Half of the kills are aimed at a rotation, a che
 from __future__ import annotations
 
 import hashlib
+import json
 import random
 import signal
 import subprocess
@@ -161,14 +162,19 @@ def bits(wall: hb.Wall) -> bytes:
     return hashlib.sha256(b"".join([wall.radius, wall.nearest, wall.support, wall.depth])).hexdigest().encode()
 
 
-def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int, dict[str, int]]:
-    """Kill a live wall; return the bytes acknowledged and found, the samples drawn, and how many kills fell where."""
+def kill_wall(folder: Path, kills: int, seed: int, **settings) -> tuple[int, int, int, dict[str, int]]:
+    """Kill a live wall, which may have further settings.
+
+    Returns the bytes acknowledged and found, the samples drawn, and how many kills fell where.
+    """
     draw = random.Random(seed)
     rows, stream = sent(500 * kills)
     (folder / "stream").write_bytes(stream)
-    arguments = [str(folder / "j"), str(folder / "stream"), CONFIGURATION]
+    lines = "".join(f"{name} = {json.dumps(value)}\n" for name, value in settings.items())
+    configuration = CONFIGURATION.replace("[journal]", f"{lines}[journal]")
+    arguments = [str(folder / "j"), str(folder / "stream"), configuration]
     acknowledged, found, first, checked, rebuilt = 0, 0, 1, 0, b""
-    model = Model(parse(CONFIGURATION))
+    model = Model(parse(configuration))
     fell = {"elsewhere": 0} | {aim.decode(): 0 for aim in AIMS}
     for _ in range(kills):
         lines = kill(WALL, arguments, draw)
@@ -195,7 +201,7 @@ def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int, dict[
     given = np.column_stack([kept.toolface, kept.depth, kept.radius])
     expected = rows[: 3 * complete] * [1.0, 1.0, 0.001]
     np.testing.assert_array_equal(given[np.lexsort(given.T)], expected[np.lexsort(expected.T)])
-    assert bits(hb.reconstruct(kept, bit_diameter=0.216, start_depth=100.0, sectors=16)) == rebuilt
+    assert bits(hb.reconstruct(kept, bit_diameter=0.216, start_depth=100.0, sectors=16, **settings)) == rebuilt
     return acknowledged, found, len(kept.depth), fell
 
 
@@ -207,4 +213,17 @@ def test_a_journal_killed_at_random_instants_has_every_acknowledged_record(tmp_p
 def test_a_live_wall_killed_under_load_recovers_and_has_the_bits_of_the_batch(tmp_path):
     acknowledged, found, samples, _ = kill_wall(tmp_path, 6, seed=7)
     assert found >= acknowledged > 0
+    assert samples > 6
+
+
+def test_a_live_wall_with_the_settings_that_automatic_found_recovers_with_the_bits_of_the_batch(tmp_path):
+    depth = np.tile(np.arange(0.0, 20.0, 0.1), 4)
+    toolface = (9.0 * depth + np.repeat([0, 90, 180, 270], 200)) % 360
+    off = np.random.default_rng(3).normal(0, 2e-4, depth.size)
+    earlier = hb.Caliper(depth, toolface, 0.11 + 0.004 * np.cos(2 * np.radians(toolface - 40)) + off)
+    found = hb.reconstruct(earlier, bit_diameter=0.216, estimator="automatic", threads=1).settings
+    assert found.estimator == "near-and-far"
+    names = ("estimator", "covariance", "neighbors", "max_distance")
+    acknowledged, _, samples, _ = kill_wall(tmp_path, 3, 11, **{name: getattr(found, name) for name in names})
+    assert acknowledged > 0
     assert samples > 6
