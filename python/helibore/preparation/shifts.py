@@ -105,7 +105,7 @@ class Shifts:
             if each.found and (each.sigma == 0).all():
                 continue
             lines.append(f"pass {number}: {_sentence(each) if each.found else f'left where it is: {each.reason}'}")
-            if each.found and each.toolface is not None and each.toolface.is_offset:
+            if each.found and each.toolface is not None and (each.toolface.is_offset or not each.toolface.clear):
                 lines.append(f"pass {number}: {each.toolface.sentence(number)}")
             if each.found and np.mean(~each.known) > _REPORTED:
                 runs = sorted(runs_of(~each.known), key=lambda run: each.depth[run[0]] - each.depth[run[1] - 1])

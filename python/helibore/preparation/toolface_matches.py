@@ -52,7 +52,12 @@ class ToolfaceMatch:
         return self.clear and abs(self.angle) > max(SURE * self.sigma, LEAST)
 
     def sentence(self, number: int) -> str:
-        """Return what a clear offset of the pass ``number`` means, and the setting that mends it."""
+        """Return what the offset of pass ``number`` means, and the setting that mends it; or that it is not known."""
+        if not self.clear:
+            return (
+                "how far its toolfaces lie from those of the others is not known: other angles fit nearly as well, or "
+                "its arms lie as those of another pass do"
+            )
         half = ", or 180 degrees more, which the readings cannot tell" if self.by_half else ""
         return (
             f"its toolfaces lie {-self.angle:+.1f} +- {self.sigma:.1f} degrees from those of the others{half}; "
