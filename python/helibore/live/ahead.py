@@ -311,8 +311,8 @@ def _joined(spots: list[Place], string: Sequence[RigidBody]) -> list[Place]:
         last = found.pop()
         first = min(last, spot, key=lambda place: order.get(place, 0))
         worst = max(last, spot, key=lambda place: string[place.body].diameter - place.passes)
-        ends = {"top": last.top, "bottom": max(last.bottom, spot.bottom)}
-        joined = worst._replace(**ends, sticks_at=first.sticks_at, first=first.first)
+        bottom = max(last.bottom, spot.bottom)
+        joined = worst._replace(top=last.top, bottom=bottom, sticks_at=first.sticks_at, first=first.first)
         order[joined] = min(order[last], order[spot])
         found.append(joined)
     return found
