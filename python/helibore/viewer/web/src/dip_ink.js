@@ -176,7 +176,7 @@ function ring(ink, { view, path, rects, store }, plane, colour, stroke, gpu) {
     stroke();
     const text = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
     const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
-    if (deepest && !outside) label(ink, text, ...deepest, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 0], [0, 16], [0, -16], [40, 0], [-40, 0]], yields: true });
+    if (deepest && !outside) label(ink, text, ...deepest, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 18], [0, -18], [40, 0], [-40, 0]], yields: true });
   });
 }
 

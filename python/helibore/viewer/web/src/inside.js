@@ -5,7 +5,7 @@
 import { byId } from './dom.js';
 import { eastNorthUp, minus, plus } from './vectors.js';
 
-export const WIDE = 62; // degrees of view
+export const WIDE = 62; // degrees of view across the narrower side of the picture
 const FARTHEST = 1.2; // radians that the head turns at most
 
 /** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
@@ -17,11 +17,12 @@ export function placeInside(camera, gpu, { path, view, store, wallRect }, head) 
   camera.lookAt((down ? plus : minus)(camera.position, along), Math.abs(along[2]) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]);
   camera.turn(head.left, head.raised);
   camera.aspect = wallRect.width / Math.max(1, wallRect.height);
+  camera.tangent = Math.tan((WIDE * Math.PI) / 360) / Math.min(1, camera.aspect); // in a narrow pane, too, the ring of a plane is seen whole
   const radius = store.bitRadius * view.tubeFactor(store);
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
 }
 
-const BEFORE = 5; // radii of the drawn hole from the eye to the held cursor: a plane of 70 degrees is then seen whole
+const BEFORE = 4; // radii of the drawn hole from the eye to the held cursor: a plane of 65 degrees is then seen whole
 
 // Return the depth of the eye: before the cursor, if it is held in the section, else at the end of the section.
 /** @param {{ view: View, store: Store }} of */
