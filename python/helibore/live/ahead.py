@@ -27,7 +27,7 @@ from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
 
-MOVED = 0.5
+MOVED = 0.25
 """Metres that the bit must move in one direction until what lies there is looked at."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
 """Looking takes at most one part in so many of a processor's time, for a tripped bit and for another."""
@@ -67,8 +67,8 @@ class TightAhead:
         The greatest diameter of this body that would pass, and its own, metres.
     places
         The number of tight places on this side.
-    worst
-        The tightest of these.
+    nearest, worst
+        That at which the string sticks first, and the tightest.
     text
         This place in words, without what changes as the bit comes nearer.
     """
@@ -82,6 +82,7 @@ class TightAhead:
     needed: float
     text: str
     places: int
+    nearest: Place
     worst: Place
 
     def meets(self, other: TightAhead) -> bool:
@@ -203,17 +204,18 @@ class Ahead:
             name = string[number].name or ("bit" if string[number].position == 0 else f"body {number + 1}")
             at = round(float(lower[rows[0]]), 2), name, round(float(lower[row]), 2), number
             spots.append(Place(round(top, 2), round(bottom, 2), round(passes, 4), *at))
-        nearest = spots[0]
-        body = string[nearest.body]
+        spot = spots[0]
+        body = string[spot.body]
         places = _joined(spots, string)
+        nearest = (max if up else min)(places, key=lambda place: place.sticks_at)
         worst = max(places, key=lambda place: string[place.body].diameter - place.passes)
-        sizes = f"{1e3 * nearest.passes:.1f} mm pass at most, the {nearest.first} has {1e3 * body.diameter:.1f} mm"
+        sizes = f"{1e3 * spot.passes:.1f} mm pass at most, the {spot.first} has {1e3 * body.diameter:.1f} mm"
         side = "above" if up else "below"
-        ends = f"from {nearest.top:.1f} to {nearest.bottom:.1f} m"
+        ends = f"from {spot.top:.1f} to {spot.bottom:.1f} m"
         text = f"tight hole {side} the bit at {bit:.1f} m: {ends} {sizes}"
         return TightAhead(
-            nearest.sticks_at, up, nearest.top, nearest.bottom, nearest.first, nearest.passes, body.diameter, text,
-            len(places), worst,
+            spot.sticks_at, up, spot.top, spot.bottom, spot.first, spot.passes, body.diameter, text,
+            len(places), nearest, worst,
         )  # fmt: skip
 
     def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int, int]:

@@ -370,11 +370,11 @@ class Feed:
         return {**name, **numbers, "at_most": found.at_most, "short": round(short, 2)}
 
     def find_chances_ahead(self) -> None:
-        """Set how sure the worst tight places above and below the bit are: see `SceneState.ahead_sure`."""
+        """Set how sure the nearest tight places above and below the bit are: see `SceneState.ahead_sure`."""
         ahead = self.scene.state.ahead
         if not self._string or self._shape.basis != "azimuthal" or ahead is None:
             return
-        chances = tuple(self._chance(side["worst"]) if (side := ahead[way]) else None for way in ("up", "down"))
+        chances = tuple(self._chance(side["nearest"]) if (side := ahead[way]) else None for way in ("up", "down"))
         if chances != self.scene.state.ahead_sure:
             self.scene.update_state(ahead_sure=chances)
 

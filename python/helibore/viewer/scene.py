@@ -187,8 +187,8 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Of the worst place above and of that below: the probability that the string sticks there, and the ends of the
-    # interval that holds the hole's size less that of the bit with 95 % probability, metres; None: not known.
+    # Of the nearest tight place above and of that below: the probability that the string sticks there, and the ends of
+    # the interval that holds the hole's size less that of the bit with 95 % probability, metres; None: not known.
     ahead_sure: tuple[tuple[float, float, float] | None, ...] = ()
 
 

@@ -179,6 +179,7 @@ def test_the_worst_of_several_tight_places_is_named_beside_the_nearest():
     assert found is not None
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
     assert found.places == 2
+    assert found.nearest[:2] == pytest.approx(TIGHT, abs=0.15)
     assert found.worst[:2] == pytest.approx((112.0, 113.0), abs=0.15)
     assert found.worst.passes == pytest.approx(trip.live.wall.drift(0.3).least, abs=1e-4)
     assert "127.0 m: from 118" in trip.said[0]

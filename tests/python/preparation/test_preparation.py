@@ -237,11 +237,11 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert found.bias is not None
     np.testing.assert_allclose(found.bias.by_pass, bias.by_pass, atol=1e-12)
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
-    labels = ["passes", "passes", "shift", "shift", "shift", "bias", "bias", "bias", "bias", "bias"]
+    labels = ["passes", "passes", *["shift"] * 5, "bias", "bias", "bias", "bias", "bias"]
     assert [label for label, _ in found.report] == labels
-    assert found.report[5][1] == f"subtracted; noise of the corrected samples {1e3 * found.bias.noise:.2f} mm"
-    assert found.report[6][1].startswith("pass 1, mm: radius -0.")
-    assert found.report[9][1].startswith("passes or arms disagree by more than their noise (0.")
+    assert found.report[7][1] == f"subtracted; noise of the corrected samples {1e3 * found.bias.noise:.2f} mm"
+    assert found.report[8][1].startswith("pass 1, mm: radius -0.")
+    assert found.report[11][1].startswith("passes or arms disagree by more than their noise (0.")
     silent = prepare(one.readings(), Preparation(find_shifts=True)).report[-1]
     assert silent[0] == "bias"
     assert "radius of pass 3 reads +0." in silent[1]
@@ -250,7 +250,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert held.shifts is not None
     np.testing.assert_allclose(held.shifts.shift, [-0.4, 0, -0.4], atol=0.02)
     lines = [line for label, line in held.report if label == "shift"]
-    assert [line.split(":")[0] for line in lines] == ["pass 2", "pass 1", "pass 3"]
+    assert [line.split(":")[0] for line in lines] == ["pass 2", "pass 1", "pass 1", "pass 3", "pass 3"]
     given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
     assert ("shift", "pass 2: +0.400 m, as given") in given.report
     assert given.pass_number is not None

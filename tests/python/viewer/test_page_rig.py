@@ -77,7 +77,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
     with hb.view(wall, string=string) as viewer:
         scene = viewer.scene
         place = (2017.5, 2018.5, 0.208, 2018.8, "bit", 2018.4, 0)
-        up = {"places": 2, "worst": place}
+        up = {"places": 2, "nearest": place, "worst": (2003.0, 2004.0, 0.2, 2004.2, "bit", 2003.9, 0)}
         bodies = ((2018.8, None), (None, None), (None, 2021.5))
         ahead = {"up": up, "down": None, "bodies": bodies, "moving": "up"} | {"touching": (0.213, 0.17, 0.213)}
         alarms = ("tight ahead: tight hole above the bit at 2020.0 m: from 2017.4 to 2018.6 m 208 mm pass at most",)
@@ -88,10 +88,11 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         (zone,) = (of for of in wall.zones().zones if of.kind == "undergauge")
         span, size = f"{zone.start:.1f}–{zone.stop:.1f} m", f"−{-1000 * zone.measure:.0f} mm"
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
-        assert head == "Worst of 2 tight places above"
+        assert head == "Next of 2 tight places above"
         assert digits.startswith(size)
         assert re.fullmatch(r"\d+ % sure that the bit sticks", more)
-        assert screen.evaluate(f"({CELL})('rigWhere')") == ["bit sticks there in", "1.2 m", span]
+        more = f"{span}; worst −16 mm at 2003.0 m"
+        assert screen.evaluate(f"({CELL})('rigWhere')") == ["bit sticks there in", "1.2 m", more]
         assert screen.inner_text("#alarmText") == f"Tight above {size}, {span}", "two alarms, one place, one text"
         rows = screen.evaluate(ROWS)
         assert [row[0] for row in rows] == ["stabiliser", "collar", "bit"], "as they hang"
@@ -104,9 +105,9 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         screen.until("document.querySelector('#rigBodies .new')")
         assert screen.evaluate(ROWS)[2][3] == "now"
         assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["bit sticks there ", "now "]
-        scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": ""})
+        scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
-        assert [row[4] for row in screen.evaluate(ROWS)] == ["–"] * 3, "on bottom"
+        assert [row[4] for row in screen.evaluate(ROWS)] == ["1.5 m", "none", "–"], "on bottom"
         screen.until(f"({ROWS})[2][1] === '2.0 m above here'")
         screen.keyboard.press("a")
         screen.settle()

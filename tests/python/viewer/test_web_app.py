@@ -334,8 +334,8 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
     wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
     string = [hb.RigidBody(0.212, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 3.0, "stabiliser")]
     with hb.view(wall, string=string) as viewer:
-        bit = {"worst": (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0)}
-        stabiliser = {"worst": (2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1)}
+        bit = {"nearest": (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0)}
+        stabiliser = {"nearest": (2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1)}
         viewer.scene.update_state(ahead={"up": bit, "down": stabiliser, "bodies": (), "moving": ""})
         until(lambda: len(viewer.scene.state.ahead_sure) == 2)
         (chance, low, high), (least, *ends) = viewer.scene.state.ahead_sure
@@ -343,7 +343,7 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
         assert [low, high] == pytest.approx([-0.008, -0.008], abs=0.001), "than the bit of 216 mm"
         assert ends == pytest.approx([low, high], abs=0.001)
         assert least < 0.01
-        beyond = {"worst": (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0)}
+        beyond = {"nearest": (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0)}
         viewer.scene.update_state(ahead={"up": beyond, "down": None, "bodies": (), "moving": ""})
         until(lambda: viewer.scene.state.ahead_sure == (None, None))
 

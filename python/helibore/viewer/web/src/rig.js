@@ -19,8 +19,8 @@ export function worstOf(zones, [top, bottom]) {
   return byConsequence(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
-// Return the worst place: of the tight places that the string meets where it moves, or on its way out, or else on the other side;
-// or else of the zones of the last metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+// Return the place to know first: the tight place at which the string sticks next where it moves, or on its way out, or else on the
+// other side; or else the worst of the zones of the last metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
 /** @param {App} app @param {number[]} [ends] @returns {WorstPlace | null} */
 export function worstPlace({ zones, ahead, aheadSure, store }, ends = recent(store)) {
   const ways = /** @type {('up' | 'down')[]} */ (ahead?.moving === 'down' ? ['down', 'up'] : ['up', 'down']);
@@ -28,12 +28,12 @@ export function worstPlace({ zones, ahead, aheadSure, store }, ends = recent(sto
   const tight = way && ahead?.[way];
   if (!tight) {
     const zone = worstOf(zones, ends);
-    return zone && { ...zone, zone, sure: zone.confidence, low: NaN, high: NaN, way: '', sticksAt: NaN, first: '', places: 0 };
+    return zone && { ...zone, zone, sure: zone.confidence, low: NaN, high: NaN, way: '', sticksAt: NaN, first: '', places: 0, worst: null };
   }
-  const [top, bottom, passes, sticksAt, first] = tight.worst;
+  const [top, bottom, passes, sticksAt, first] = tight.nearest;
   const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
   const [sure, low, high] = aheadSure[way === 'up' ? 0 : 1] ?? [NaN, NaN, NaN];
-  return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure, low, high, way, sticksAt, first, places: tight.places };
+  return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure, low, high, way, sticksAt, first, places: tight.places, worst: tight.worst };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the worst place. If the bit has

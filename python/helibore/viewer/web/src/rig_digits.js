@@ -103,14 +103,15 @@ function writeWorst(app, ends) {
     cell('rigWorst', 'Worst place', digits, '', more);
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
-  const { start, stop, zone, sure, way, first, places, sticksAt } = worst;
+  const { start, stop, zone, sure, way, first, places, sticksAt, worst: tightest } = worst;
   const side = way === 'up' ? 'above' : 'below';
-  const [head, what] = way ? [`Worst ${places > 1 ? `of ${places} tight places` : 'place'} ${side}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
+  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${side}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
   const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
   cell('rigWorst', head, digits, `${unit}${rangeOf(worst, units)}`, Number.isNaN(sure) ? `${what}, uncertainty not known` : way ? `${percent(sure)} sure that the ${what}` : `${what}, ${percent(sure)} sure`);
   const left = bit === null ? NaN : way ? (bit - sticksAt) * (way === 'up' ? 1 : -1) : bit > stop ? bit - stop : Math.max(0, start - bit);
   const from = way ? `${first} sticks there ${left > NOW ? 'in' : ''}` : bit !== null && bit > stop ? 'Above bit' : 'Below bit';
-  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units));
+  const passes = tightest && tightest[3] !== sticksAt ? `; worst ${showSigned(tightest[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(tightest[0], units, 1)}` : '';
+  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + passes);
 }
 
 // Return the interval of a size in words, behind the number.
@@ -141,7 +142,7 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
     const note = Number.isNaN(clearance) ? why || 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
-      if (!ahead || (side && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
+      if (!ahead || (side && isBit && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
       if (isStuck && !(short > NOW)) return 'now'; // what lies ahead is looked for less often than what hangs here
       if (at === null || at === undefined || bit === null) return 'none';
       return distance((bit - at) * (side ? -1 : 1), units).join(' ');
@@ -180,7 +181,7 @@ export function placesOf(app, whole) {
   const text = (zone) => {
     const own = worst?.way && worst.zone && overlap(worst.zone, zone);
     const { start, stop, measure } = own ? worst : zone;
-    return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${sureText(zone)} sure` : ''}`;
+    return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${own ? percent(worst.sure) : sureText(zone)} sure` : ''}`;
   };
   const feed = alarms.said().map((alarm) => {
     const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
