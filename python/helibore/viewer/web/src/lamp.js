@@ -79,19 +79,22 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (contents) return ['', `export of ${showClock(contents.made)} · wall ${showSpan(store.span[0], store.span[1], view.units)}`];
   const seconds = ageOf({ newest, lastWrite });
   const fed = received !== null && !ended; // bytes came
+  const silent = { received, newest, lastWrite, pace };
+  const old = !ended && seconds > LATE;
+  const lastRadius = old && !isSilent(silent) ? `last radius ${showAge(seconds)} old` : '';
   const parts = [];
-  if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
+  if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), lastRadius || `${showAge(seconds)} old`);
   else parts.push(fed ? 'no radius since the start' : 'not live');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
-  const old = !ended && seconds > LATE;
-  const silent = { received, newest, lastWrite, pace };
-  const late = !ended && ((old && isSilent(silent)) || isLate(silent));
+  const late = !ended && ((old && !lastRadius) || isLate(silent));
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
+  const quiet = alarms.feed.filter((one) => alarms.silenced?.includes(one)).length;
+  if (quiet) parts.push(`${quiet} silenced`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
-  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : old ? `last radius ${showAge(seconds)} old` : colour === 'live' ? 'live' : parts[0])];
+  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
 }
 
 // Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.

@@ -216,7 +216,8 @@ export class App {
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew
     this.alarms.take(this.zonesBefore, found, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
-    this.zones = this.zonesBefore = found;
+    this.zones = found;
+    this.zonesBefore = zonesTo === null ? null : found; // zones that are found for the first time are not new
     document.body.classList.toggle('saved', ended && newest === null);
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;

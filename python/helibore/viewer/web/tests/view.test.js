@@ -71,7 +71,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
-  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, received: Date.now() / 1000 - 2 }), ['live', '3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, received: Date.now() / 1000 - 2 }), ['live', 'last radius 3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
   const pace = new Pace();
   for (const at of [100, 101, 102, 104, 105, 105]) pace.note(at);
   const [long, short] = [9, 2].map((age) => words(1050, 0.1, { received: Date.now() / 1000 - age, newest: 0, pace })[0]);
@@ -88,7 +88,7 @@ test('an alarm that lasts, silenced or not, and a source that is not connected t
     store: { end: 1050, levels: [{ size: 12345, pitch: 0.1 }] }, ...more,
   });
   const refused = 'refused mwd: no sample was usable for 120 s: 40 no value';
-  assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'refused mwd · 1 s old · 8.0 m behind bit', 'refused mwd']);
+  assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'refused mwd · 1 s old · 8.0 m behind bit · 1 silenced', 'refused mwd']);
   assert.equal(words({ alarms: { feed: [refused, 'depth jump mwd: 5 m'] } })[2], 'refused mwd +1 more');
   assert.deepEqual(words({ lost: ['rig'] }), ['lost', 'rig not connected · 1 s old · 8.0 m behind bit', 'rig not connected']);
   assert.equal(words({ lost: ['rig'], ended: true })[0], '', 'a run that has ended needs no source');
