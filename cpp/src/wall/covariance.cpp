@@ -31,7 +31,7 @@ constexpr double starts[][few] = {{1e-6, 0.05, 0.06, 4e-6, 0.1, 0.6, 0.25e-6},
                                   {1e-6, 0.03, 0.03, 4e-6, 0.1, 8.0, 1e-6},
                                   {0.3e-6, 0.06, 0.3, 20e-6, 0.12, 40.0, 4e-6},
                                   {1e-6, 0.05, 2.0, 20e-6, 0.08, 100.0, 0.25e-6}};
-constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.15, 0.02, 0.0};  // nats a block for one unit, squared
+constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.6, 0.02, 0.0};  // nats a block for one unit, squared
 constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};

@@ -23,7 +23,7 @@ def posterior(found: Covariance, depth: Floats, toolface: Floats, radius: Floats
     likelihood = -0.5 * (np.linalg.slogdet(within)[1] + values @ np.linalg.solve(within, values))
     short, long = found.terms[:2]
     prior = 0.02 * np.log(short.around / 0.05) ** 2 + 0.02 * np.log(short.along / 0.06) ** 2
-    prior += 0.03 * np.log(long.variance / 4e-6) ** 2 + 0.15 * np.log(long.around / 0.1) ** 2
+    prior += 0.03 * np.log(long.variance / 4e-6) ** 2 + 0.6 * np.log(long.around / 0.1) ** 2
     prior += 0.02 * np.log(long.along / 0.6) ** 2 + 0.02 * np.log(4.0 * short.variance / found.noise) ** 2
     return float(likelihood - prior)
 
