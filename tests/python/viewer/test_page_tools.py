@@ -989,7 +989,7 @@ def test_the_view_is_saved_as_a_vector_picture(browser: Any, viewer: Any) -> Non
     screen.settle()
     with screen.page.expect_download() as download:
         screen.click("#svg")
-    assert download.value.suggested_filename == "Made-1-1000.0-1020.0.svg"
+    assert download.value.suggested_filename == "Made-1-1000.0-1020.0-inside.svg"
     root = ElementTree.parse(download.value.path()).getroot()
     labels = screen.evaluate("document.getElementById('ink').labels")
     svg = "{http://www.w3.org/2000/svg}"

@@ -64,7 +64,7 @@ function copyStage({ renderer: { gpu }, view, store }, canvas, look, drawn) {
 
 const wellName = () => byId('well').title || 'helibore';
 /** @param {View} view @param {string} ending */
-const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}.${ending}`;
+const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}${{ straight: '', outside: '-path', down: '-inside', up: '-inside' }[view.camera]}.${ending}`;
 
 // Save what the stage shows, once the part of the page that does it is here.
 /** @param {App} app @param {'png' | 'svg'} ending */
