@@ -37,8 +37,8 @@ constexpr double ratio_prior = 0.02;  // of variance of the short term to a quar
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 // A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole; each peak
-// of the likelihood is then climbed. Arms that do not cross leave several peaks: the true one need not be the highest,
-// but it was where it was higher than no turn, and than turns that differ by `other_turn`, by so many nats a block.
+// of the likelihood is then climbed. Arms that do not cross leave several peaks, and a false one may be the highest. So
+// the highest counts only if it is `turn_gain` nats a block above no turn, and above turns that differ by `other_turn`.
 constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0}, turn_gain = 4.0;
 constexpr std::size_t turns = 61, long_along = 5;  // index of the length along the hole of the long term
 constexpr double least_share = 0.7;                // of the spacing of samples: the long term along the hole

@@ -213,7 +213,7 @@ class Window:
             self.scene.set_curves(curves, self._curves_version)
 
     def _silence(self) -> float:
-        """Return the seconds since the last bytes of any source, for which the clock of the model stands still."""
+        """Return the seconds since the last bytes of any source, at which the clock of the model stops."""
         return min(self._live.ages().values(), default=0.0)
 
     def _read_channels(self) -> list[ShownChannel]:

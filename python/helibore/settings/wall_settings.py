@@ -54,8 +54,8 @@ class Settings(Declared, group="wall"):
     ] = 0.0  # fmt: skip
     neighbors: Annotated[int, within(1, 256), Option("8; kriging: 16"),
         "Number of nearest samples that make a vertex. With kriging, at most 64. With 'near-and-far', at most 21: "
-        "eight vertices share their neighbours, 3/8 as many near each vertex in each of two metrics, and as many far "
-        "ones. None: 8; with kriging and 'near-and-far' 16. V in the published method.",
+        "eight vertices share their neighbours: 3/8 of this number near each vertex, in each of two metrics, and this "
+        "number of far ones. None: 8; with kriging and 'near-and-far' 16. V in the published method.",
     ] = cast(int, None)  # fmt: skip  # becomes 8 or 16
     window: Annotated[int | None, at_least(1), Option("all"),
         "Search only this many samples around a vertex, as in the published method. They are consecutive in depth (U). "

@@ -91,7 +91,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
-  const quiet = alarms.feed.filter((one) => alarms.silenced?.includes(one)).length;
+  const quiet = alarms.feed.filter((one) => alarms.silenced.includes(one)).length;
   if (quiet) parts.push(`${quiet} silenced`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
   return [colour, parts.join(' · '), trouble || (late ? 'no new data' : lastRadius || (colour === 'live' ? 'live' : parts[0]))];

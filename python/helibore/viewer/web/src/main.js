@@ -59,7 +59,7 @@ export class App {
   /** @type {Outlook | null} */
   ahead = null; // what is tight above and below the bit
   /** @type {Chance[]} */
-  aheadSure = []; // how sure the worst place above is, and that below
+  aheadSure = []; // how sure the nearest tight place above is, and that below
   prints = false; // whether the server prints sections
   meshes = false; // whether it writes meshes
   /** @type {number | null} */

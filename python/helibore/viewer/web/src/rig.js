@@ -21,8 +21,8 @@ export function worstOf(zones, [top, bottom]) {
 
 // Return the place to know first: the tight place at which the string sticks next where it moves, or on its way out, or else on the
 // other side; or else the worst of the zones of the last metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @param {number[]} [ends] @returns {WorstPlace | null} */
-export function worstPlace({ zones, ahead, aheadSure, store }, ends = recent(store)) {
+/** @param {App} app @param {number[]} [ends] @returns {FirstPlace | null} */
+export function firstPlace({ zones, ahead, aheadSure, store }, ends = recent(store)) {
   const ways = /** @type {('up' | 'down')[]} */ (ahead?.moving === 'down' ? ['down', 'up'] : ['up', 'down']);
   const way = ways.find((one) => ahead?.[one]);
   const tight = way && ahead?.[way];
@@ -43,7 +43,7 @@ export function rigSection(app) {
   const { store, bit } = app;
   const ends = recent(store);
   const down = store.levels[0].pitch > 0;
-  const worst = worstPlace(app, ends);
+  const worst = firstPlace(app, ends);
   const depth = bit ?? store.end;
   const [shallow, deep] = store.span;
   const lead = Math.abs(depth - store.end) > RECENT && (depth < shallow || depth > deep) ? store.end : depth; // the bit may be far from the wall

@@ -1,10 +1,10 @@
 // The digits of rig mode, which are read from three metres. Four questions have a place each, which never changes its meaning:
-// where the bit is, whether data come, the worst place and how sure it is, and the clearance of each body of the string.
+// where the bit is, whether data come, the place to know first and how sure it is, and the clearance of each body of the string.
 
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
-import { recent, worstPlace } from './rig.js';
+import { recent, firstPlace } from './rig.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent, sureText } from './zones.js';
 
@@ -89,29 +89,29 @@ function parts(text) {
   return [digits, unit];
 }
 
-// Write the worst place: how tight or wide it is and how sure that is, and where it is.
+// Write the place to know first: how tight or wide it is and how sure that is, and where it is.
 /** @param {App} app @param {number[]} ends */
 function writeWorst(app, ends) {
   const { view: { units }, store, bit, alarms, ahead, zonesTo } = app;
-  const worst = worstPlace(app, ends);
-  const moves = worst?.way && ahead?.moving === worst.way;
-  byId('rigWorstCell').className = !worst ? '' : worst.way || !worst.zone || !alarms.isNew(worst.zone) ? 'zone' : 'new';
+  const place = firstPlace(app, ends);
+  const moves = place?.way && ahead?.moving === place.way;
+  byId('rigWorstCell').className = !place ? '' : place.way || !place.zone || !alarms.isNew(place.zone) ? 'zone' : 'new';
   byId('rigWhereCell').className = moves ? 'new' : '';
-  if (!worst) {
+  if (!place) {
     const last = `seen in ${showSpan(ends[0], ends[1], units)}`;
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : ['none', last];
     cell('rigWorst', 'Worst place', digits, '', more);
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
-  const { start, stop, zone, sure, way, first, places, sticksAt, worst: tightest } = worst;
+  const { start, stop, zone, sure, way, first, places, sticksAt, worst } = place;
   const side = way === 'up' ? 'above' : 'below';
   const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${side}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
-  const [digits, unit] = parts(showSigned(worst.measure, units, units === 'mm' ? 0 : 1));
-  cell('rigWorst', head, digits, `${unit}${rangeOf(worst, units)}`, Number.isNaN(sure) ? `${what}, uncertainty not known` : way ? `${percent(sure)} sure that the ${what}` : `${what}, ${percent(sure)} sure`);
+  const [digits, unit] = parts(showSigned(place.measure, units, units === 'mm' ? 0 : 1));
+  cell('rigWorst', head, digits, `${unit}${rangeOf(place, units)}`, Number.isNaN(sure) ? `${what}, uncertainty not known` : way ? `${percent(sure)} sure that the ${what}` : `${what}, ${percent(sure)} sure`);
   const left = bit === null ? NaN : way ? (bit - sticksAt) * (way === 'up' ? 1 : -1) : bit > stop ? bit - stop : Math.max(0, start - bit);
   const from = way ? `${first} sticks there ${left > NOW ? 'in' : ''}` : bit !== null && bit > stop ? 'Above bit' : 'Below bit';
-  const passes = tightest && tightest[3] !== sticksAt ? `; worst ${showSigned(tightest[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(tightest[0], units, 1)}` : '';
-  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + passes);
+  const other = worst && worst[3] !== sticksAt ? `; worst ${showSigned(worst[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(worst[0], units, 1)}` : '';
+  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + other);
 }
 
 // Return the interval of a size in words, behind the number.
@@ -176,17 +176,17 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
 /** @param {App} app @param {boolean} whole */
 export function placesOf(app, whole) {
   const { alarms, view: { units }, zones } = app;
-  const worst = app.store ? worstPlace(app) : null;
+  const place = app.store ? firstPlace(app) : null;
   /** @param {Zone} zone */
   const text = (zone) => {
-    const own = worst?.way && worst.zone && overlap(worst.zone, zone);
-    const { start, stop, measure } = own ? worst : zone;
-    return `${own ? `tight ${worst.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${own ? percent(worst.sure) : sureText(zone)} sure` : ''}`;
+    const own = place?.way && place.zone && overlap(place.zone, zone);
+    const { start, stop, measure } = own ? place : zone;
+    return `${own ? `tight ${place.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${own && !Number.isNaN(place.sure) ? percent(place.sure) : sureText(zone)} sure` : ''}`;
   };
   const feed = alarms.said().map((alarm) => {
     const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
     const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
-    const zone = rest ? worst?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
+    const zone = rest ? place?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
     return zone ? text(zone) : whole ? alarm : shortOf(alarm);
   });
   return [...new Set([...feed, ...byConsequence(alarms.zones).map(text)])];
