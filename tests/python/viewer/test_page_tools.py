@@ -283,6 +283,7 @@ def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall
         (pick,) = viewer.scene.picks
         texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
         assert "{:.0f}° to {:.0f}°".format(*pick.dip(curved_path())) in texts
+        assert "fracture at 1018.00 m" in texts
         veil = screen.evaluate(
             "(([x, y]) => document.getElementById('ink').getContext('2d').getImageData(x, y, 1, 1).data[3])"
             f"([{across[0]} + 40, {across[1]} + 10])"
@@ -977,6 +978,49 @@ def test_a_flight_is_filmed(browser: Any, viewer: Any) -> None:
     assert [width, height - 26] == screen.evaluate("[stage.clientWidth, stage.clientHeight]")
     assert colours > 20, "the wall is in it, not only the ink"
     assert screen.inner_text("#fly") == "Fly"
+    screen.close()
+
+
+@pytest.mark.parametrize("dip", [20.0, 65.0, 78.0])
+def test_a_held_plane_is_seen_whole_from_inside_whatever_its_dip(browser: Any, viewer: Any, dip: float) -> None:
+    """Its ring fills much of the pane, and nothing of it is behind the controls or beyond an edge."""
+    viewer.scene.change_picks(
+        lambda picks: picks.put(Pick(kind="fault", depth=1010.0, toolface=200.0, apparent_dip=dip, radius=0.1))
+    )
+    screen = Screen(browser, viewer.url, "#md=1010&sec=12&camera=down&tube=1&at=1010.05_10", (1366, 768), drawn=False)
+    screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'fault at 1010.00 m')")
+    screen.settle()
+    ring = screen.evaluate(
+        "(({ path, renderer: { gpu, rects: { wall }, look } }) => Array.from({ length: 72 }, (_, i) => {"
+        "  const { centre, high, right, tangent } = path.at(1010);"
+        "  const [c, s] = [Math.cos(i * Math.PI / 36), Math.sin(i * Math.PI / 36)];"
+        f" const along = Math.tan({dip} * Math.PI / 180) * Math.cos((5 * i - 200) * Math.PI / 180);"
+        "  return gpu.project({ centre: centre.map((x, j) =>"
+        "    x + 0.1 * (c * high[j] + s * right[j] + along * tangent[j])) }, wall); }))(window.__wall.app)"
+    )
+    assert None not in ring
+    across, down = np.array(ring).T
+    left, width, height = screen.evaluate(
+        "(({ left, width, height }) => [left, width, height])(window.__wall.app.renderer.rects.wall)"
+    )
+    assert left < across.min() < across.max() < left + width
+    assert 80 < down.min() < down.max() < height
+    assert np.ptp(across) > 0.3 * width
+    screen.close()
+    viewer.scene.change_picks(Picks.clear)
+
+
+def test_a_slide_is_the_view_in_larger_type_and_the_page_stays(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20&camera=down", (1366, 768))
+    screen.settle()
+    before = screen.evaluate("JSON.stringify([window.__wall.app.renderer.rects, window.__wall.app.view.top])")
+    with screen.page.expect_download() as download:
+        screen.click("#slide")
+    assert download.value.suggested_filename == "Made-1-1000.0-1020.0-inside.slide.png"
+    wide, high = struct.unpack(">II", Path(download.value.path()).read_bytes()[16:24])
+    assert [wide, high] == [3840, 2160], "960 by 540 points, as a slide has"
+    screen.settle()
+    assert screen.evaluate("JSON.stringify([window.__wall.app.renderer.rects, window.__wall.app.view.top])") == before
     screen.close()
 
 

@@ -5,12 +5,13 @@
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
-import { planeDepth, wallPoint } from './dips.js';
+import { planeDepth, riseOf, wallPoint } from './dips.js';
 import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
-import { showAngle } from './units.js';
+import { showAngle, showDepth } from './units.js';
 
+const BAR_END = 440; // pixels from the left of the hole to the end of the colours below it
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
 /** @type {Record<PlaneKind, number[]>} */
@@ -22,7 +23,7 @@ export function drawDips(ink, look, planes, gpu) {
   /** @param {Plane} plane */
   const colourOf = (plane) => (plane === planes.current || plane.pick === planes.selected ? palette.cursor : palette.picks[plane.kind]);
   for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
-    if (Math.abs(plane.depth - look.view.middle) > look.view.length / 2 + 1.5 * plane.radius * Math.hypot(plane.a, plane.b) + 0.1) continue; // a bent hole lengthens the curve
+    if (Math.abs(plane.depth - look.view.middle) > look.view.length / 2 + 1.5 * riseOf(plane) + 0.1) continue; // a bent hole lengthens the curve
     const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
     const colour = colourOf(plane);
     const stroke = () => {
@@ -42,33 +43,34 @@ export function drawDips(ink, look, planes, gpu) {
 // first pick, the first of the texts `start` that has room says how to pick. While the wall grows, the meaning of the glowing
 // colours comes first.
 /** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
-export function drawLegend(ink, { view, growing, rects: { axis, pane } }, { kept, boxes }, start) {
+export function drawLegend(ink, { view, growing, rects: { axis, image, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
+  const [from, end] = image.width ? [axis.left, pane.left] : [pane.left + BAR_END, pane.left + pane.width]; // beside the colours below the hole
   const palette = PALETTES[view.theme];
   const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
   const y = axis.top + axis.height + 10;
-  let x = axis.left + 8;
+  let x = from + 8;
   ink.font = SMALL;
-  const glows = growing && x + 120 < pane.left ? GLOWS : [];
+  const glows = growing && x + 120 < end ? GLOWS : [];
   for (const [colour, name] of glows) {
     ink.fillStyle = colour;
     ink.fillRect(x - 4, y - 4, 9, 8);
     label(ink, name, x + 9, y, { colour: palette.ink, font: SMALL });
     x += 25 + ink.measureText(name).width;
   }
-  const first = kept.length + boxes.length ? undefined : start.find((text) => x + ink.measureText(text).width < pane.left);
+  const first = kept.length + boxes.length ? undefined : start.find((text) => x + ink.measureText(text).width < end);
   if (first) label(ink, first, x, y, { colour: palette.soft });
   for (const kind of /** @type {(keyof Palette['picks'])[]} */ (Object.keys(palette.picks))) {
     if (!shown.has(kind)) continue;
-    const end = x + 9 + ink.measureText(kind).width;
-    if (end > pane.left) return;
+    const right = x + 9 + ink.measureText(kind).width;
+    if (right > end) return;
     if (kind === 'breakout') {
       ink.strokeStyle = palette.picks[kind];
       ink.lineWidth = 2;
       ink.strokeRect(x - 4, y - 4, 8, 8);
     } else symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
     label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
-    x = end + 16;
+    x = right + 16;
   }
 }
 
@@ -156,7 +158,7 @@ function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
 
 // Draw a plane in 3-D: from outside a disc wider than the hole, from inside its line on the wall with its dip, so that nothing is veiled.
 /** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {() => void} stroke @param {Gpu} gpu */
-function ring(ink, { view, path, rects, store }, plane, colour, stroke, gpu) {
+function ring(ink, { view, path, rects, store, held }, plane, colour, stroke, gpu) {
   const outside = view.camera === 'outside';
   const palette = PALETTES[view.theme];
   const points = Array.from({ length: 73 }, (_, i) => {
@@ -174,9 +176,15 @@ function ring(ink, { view, path, rects, store }, plane, colour, stroke, gpu) {
       ink.globalAlpha = 1;
     }
     stroke();
-    const text = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
+    if (outside) return;
+    const angles = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
+    const lettering = { colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD, yields: true };
     const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
-    if (deepest && !outside) label(ink, text, ...deepest, { colour, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 18], [0, -18], [40, 0], [-40, 0]], yields: true });
+    if (!held || plane.pick !== held.pick) return deepest && label(ink, angles, ...deepest, { ...lettering, near: [[0, 18], [0, -18], [40, 0], [-40, 0]] });
+    const seen = points.filter((point) => point !== null);
+    const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
+    const left = (Math.min(...x) + Math.max(...x)) / 2;
+    return [`${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].forEach((text, i) => label(ink, text, left, Math.min(Math.max(...y) + 16, rects.wall.height - 60) + 16 * i, { ...lettering, yields: false }));
   });
 }
 

@@ -86,3 +86,16 @@ export function planeDepth(path, { a, b, c, frame, radius }, toolface) {
   }
   return next;
 }
+
+// Return the plane that the held cursor is on: of those that cross its depth the one whose middle is nearest.
+/** @param {Plane[]} planes @param {View} view */
+export function heldPlane(planes, { cursor }) {
+  if (!cursor) return undefined;
+  /** @param {Plane} plane */
+  const away = ({ depth }) => Math.abs(depth - cursor.depth);
+  return planes.filter((plane) => away(plane) <= riseOf(plane) + 0.02).sort((one, other) => away(one) - away(other))[0];
+}
+
+// Return by how much a plane rises above its middle on the wall.
+/** @param {Pick<Plane, 'a' | 'b' | 'radius'>} plane */
+export const riseOf = ({ a, b, radius }) => radius * Math.hypot(a, b);

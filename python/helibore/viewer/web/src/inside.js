@@ -2,6 +2,7 @@
 // the axis. The top of the picture is up or, in a vertical hole, toolface 0. A drag turns the head. The eye moves along the path
 // like a train on rails, and the section with it: by wheel, arrow keys or two fingers, or by itself (V).
 
+import { riseOf } from './dips.js';
 import { byId } from './dom.js';
 import { eastNorthUp, minus, plus } from './vectors.js';
 
@@ -9,9 +10,10 @@ export const WIDE = 62; // degrees of view across the narrower side of the pictu
 const FARTHEST = 1.2; // radians that the head turns at most
 
 /** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
-export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
+export function placeInside(camera, gpu, look, head) {
+  const { path, view, store, wallRect } = look;
   const down = view.camera === 'down';
-  const frame = path.at(eyeDepth({ view, store }));
+  const frame = path.at(eyeDepth(look));
   const along = eastNorthUp(frame.tangent);
   camera.position = gpu.position(frame);
   camera.lookAt((down ? plus : minus)(camera.position, along), Math.abs(along[2]) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]);
@@ -22,15 +24,17 @@ export function placeInside(camera, gpu, { path, view, store, wallRect }, head) 
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
 }
 
-const BEFORE = 4; // radii of the drawn hole from the eye to the held cursor: a plane of 65 degrees is then seen whole
+const BEFORE = 2.3; // radii of the drawn hole from the eye to the nearest point of the held plane: it then fills 3/4 of the picture
 
-// Return the depth of the eye: before the cursor, if it is held in the section, else at the end of the section.
-/** @param {{ view: View, store: Store }} of */
-export function eyeDepth({ view, store }) {
+// Return the depth of the eye: before the held plane, or before the cursor, if it is held in the section, else at the end of the section.
+/** @param {Pick<Look, 'view' | 'store' | 'held'>} of */
+export function eyeDepth({ view, store, held }) {
   const { cursor, pinned, top, bottom } = view;
-  const [end, back] = view.camera === 'down' ? [top, -BEFORE] : [bottom, BEFORE];
+  const [end, back] = view.camera === 'down' ? [top, -1] : [bottom, 1];
   if (!pinned || !cursor || cursor.depth < top || cursor.depth > bottom) return end;
-  return Math.min(bottom, Math.max(top, cursor.depth + back * store.bitRadius * view.tubeFactor(store)));
+  const radius = store.bitRadius * view.tubeFactor(store);
+  const depth = held ? held.depth + back * riseOf(held) : cursor.depth;
+  return Math.min(bottom, Math.max(top, depth + back * BEFORE * radius));
 }
 
 /** @param {{ left: number, raised: number }} head @param {number} dx @param {number} dy */
@@ -46,8 +50,8 @@ export const STEP = 0.025; // of the section, by a key or a notch of the wheel
 
 // Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is no longer held.
 /** @param {App} app @param {number} steps */
-export function fly({ view, store }, steps) {
-  const top = view.top + eyeDepth({ view, store }) - (view.camera === 'down' ? view.top : view.bottom);
+export function fly({ view, store, renderer }, steps) {
+  const top = view.top + eyeDepth(renderer.look()) - (view.camera === 'down' ? view.top : view.bottom);
   view.release();
   view.show(top + (view.camera === 'up' ? -1 : 1) * STEP * steps * view.length, view.length, store);
   return view.top !== top;

@@ -7,6 +7,7 @@ import { fitRange, nearBit, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
+import { heldPlane } from './dips.js';
 import { byId, oncePerFrame, say, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
@@ -134,6 +135,7 @@ export class Renderer {
       notes: app.notes.kept,
       intervals: store.intervals,
       zones: app.zones,
+      held: view.pinned ? heldPlane(app.picking.planes().kept, view) : undefined,
       growing: app.growing,
       arms: app.curves.arms,
       string: hung(app),
@@ -223,7 +225,6 @@ export class Renderer {
     const planes = picking.planes();
     drawDips(ink, look, planes, gpu);
     drawTops(ink, look);
-    drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);
     picking.write(planes);
@@ -235,6 +236,7 @@ export class Renderer {
     if (straight && rects.wall.width) drawColumn(ink, look);
     else if (gpu && rects.wall.width && !straight) late(app)?.drawWallInk(ink, look, gpu, calipers);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
+    drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }
 

@@ -19,10 +19,10 @@ export function save(blob, name) {
 
 /** @param {App} app */
 export function bindSaving(app) {
-  for (const ending of /** @type {const} */ (['png', 'svg'])) {
-    byId(ending).addEventListener('click', (event) => {
+  for (const kind of /** @type {const} */ (['png', 'svg', 'slide'])) {
+    byId(kind).addEventListener('click', (event) => {
       event.preventDefault();
-      if (app.store) savePicture(app, ending);
+      if (app.store) savePicture(app, kind);
     });
   }
   byId('film').addEventListener('click', () => film(app));
@@ -67,11 +67,11 @@ const wellName = () => byId('well').title || 'helibore';
 const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}${{ straight: '', outside: '-path', down: '-inside', up: '-inside' }[view.camera]}.${ending}`;
 
 // Save what the stage shows, once the part of the page that does it is here.
-/** @param {App} app @param {'png' | 'svg'} ending */
-function savePicture(app, ending) {
+/** @param {App} app @param {'png' | 'svg' | 'slide'} kind */
+function savePicture(app, kind) {
   const more = late(app);
-  if (more) more.saveStage(app, ending, sharpen, (blob) => save(blob, fileName(app.view, ending)));
-  else if (app.renderer.loading) setTimeout(() => savePicture(app, ending), 50);
+  if (more) more.saveStage(app, kind, sharpen, (blob) => save(blob, fileName(app.view, kind === 'slide' ? 'slide.png' : kind)));
+  else if (app.renderer.loading) setTimeout(() => savePicture(app, kind), 50);
 }
 
 // Film what the stage shows, frame by frame, until the flight ends; then save the video.

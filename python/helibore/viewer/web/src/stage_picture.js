@@ -1,10 +1,10 @@
 // Save what the stage shows as a picture, PNG or SVG, under a line with the well and the section; beside it the stereonet and the
-// rose of the picks in view.
+// rose of the picks in view. A slide has the stage alone, laid out anew in fewer pixels: its texts are larger in proportion.
 
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
-import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
 import { drawNet } from './net.js';
 import { recorder, svgFile } from './svg.js';
 import { showAngle, showDepth, showSpan } from './units.js';
@@ -12,17 +12,24 @@ import { showAngle, showDepth, showSpan } from './units.js';
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
 const BAND = 26; // pixels above the picture, for its words
+const SLIDE = { width: 960, height: 540 }; // pixels: on a slide of 13.33 by 7.5 inches one pixel is one point
 const ROW = 17; // pixels of a pick in the list below
 const NET = { width: 330, height: 190 }; // stereonet and rose, at the right
 
 // `sharpen` is that of the page, `save` takes the picture.
-/** @param {App} app @param {'png' | 'svg'} ending @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save */
-export function saveStage(app, ending, sharpen, save) {
+/** @param {App} app @param {'png' | 'svg' | 'slide'} kind @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save */
+export function saveStage(app, kind, sharpen, save) {
   const { renderer, view, store, picking } = app;
   const inks = byId('ink');
-  const vector = ending === 'svg';
+  const vector = kind === 'svg';
+  const slide = kind === 'slide';
   const planes = picking.planes();
-  const side = sideOf(view, planes);
+  const side = slide ? 0 : sideOf(view, planes);
+  if (slide) {
+    Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
+    renderer.rects = layout(SLIDE.width, SLIDE.height - BAND, renderer.arrangement);
+    renderer.gpu?.resize(SLIDE.width, SLIDE.height - BAND);
+  }
   const [width, height] = [inks.clientWidth + side, inks.clientHeight + BAND];
   const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));
   sharpen(ratio);
@@ -36,7 +43,7 @@ export function saveStage(app, ending, sharpen, save) {
   ink.fillStyle = palette.paper;
   ink.fillRect(0, 0, width, height);
   ink.fillStyle = palette.ink;
-  ink.font = BOLD;
+  ink.font = slide ? BOLD.replace('12px', '16px') : BOLD;
   ink.textBaseline = 'alphabetic';
   ink.fillText(`${byId('well').title || 'helibore'}   MD ${showSpan(Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1]), view.units)}`, 8, 17);
   ink.translate(0, BAND);
@@ -48,13 +55,14 @@ export function saveStage(app, ending, sharpen, save) {
     delete inks.recorder;
     parts.push('</g>');
   } else {
+    draw(ink); // and with it the camera is placed
     renderer.drawInk(look);
-    draw(ink);
     ink.drawImage(inks, 0, 0, inks.clientWidth, inks.clientHeight);
   }
   ink.translate(inks.clientWidth, 0);
   if (side) drawSide(ink, look, planes, height - BAND);
   sharpen(0);
+  byId('stage').removeAttribute('style');
   app.repaint();
   if (vector) save(svgFile(width, height, parts));
   else canvas.toBlob((blob) => blob && save(blob));

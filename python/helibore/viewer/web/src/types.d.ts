@@ -79,6 +79,7 @@ interface Turn { k: number; radii: Float64Array; sure: Float64Array; between: Ui
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
   imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; intervals: NamedInterval[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
+  held?: Plane; // the plane that the held cursor is on
 }
 interface Curtain extends Look { from: number } // the image over the first one, from a share of its width on
 interface Looks extends Look { images: Look[]; curtain: Curtain | null } // the first image, and those beside it
@@ -151,7 +152,7 @@ type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar' | 'run', Canvas
   & Ids<'camera' | 'curve' | 'cut' | 'datum' | 'mode' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'box' | 'dipFile' | 'discs' | 'dynamic' | 'fence' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText' | 'planes', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
-  & Ids<'csv' | 'export' | 'glb' | 'las' | 'png' | 'print' | 'printAll' | 'svg', HTMLAnchorElement>
+  & Ids<'csv' | 'export' | 'glb' | 'las' | 'png' | 'print' | 'printAll' | 'slide' | 'svg', HTMLAnchorElement>
   & Ids<'colour', HTMLDetailsElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;

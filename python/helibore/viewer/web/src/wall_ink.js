@@ -29,9 +29,10 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.clip();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
   else drawInsideInk(ink, look, gpu);
-  if (path.surveyed && view.camera === 'outside') {
+  if (path.surveyed) {
+    if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
     compass(ink, gpu, rect, palette);
-    if (rect.width > 300) plan(ink, look, gpu, palette);
+    if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
   }
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
@@ -171,6 +172,14 @@ function cursorLabel(ink, look, gpu, beside, palette) {
   cursorRing(ink, look, view.cursor.depth, gpu, palette);
   const at = gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
   if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+}
+
+/** @param {Ink} ink @param {Rect} rect @param {Palette} palette */
+function disc(ink, { left, height }, { paper }) {
+  ink.beginPath();
+  ink.arc(left + 44, height - 46, 42, 0, 7);
+  ink.fillStyle = `${paper}cc`;
+  ink.fill();
 }
 
 /** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */

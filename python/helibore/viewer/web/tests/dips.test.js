@@ -133,7 +133,7 @@ test('below the tracks stands how to begin, as far as there is room, until somet
   const said = (width, kept = []) => {
     const texts = [];
     const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: (text) => ({ width: 7 * text.length }), fillText: (text) => texts.push(text) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
-    drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, rects: { axis: { left: 60, top: 80, height: 400 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
+    drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, rects: { axis: { left: 60, top: 80, height: 400 }, image: { width: 40 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
     return texts;
   };
   assert.deepEqual([said(100), said(60), said(30), said(100, [{ depth: 5, kind: 'bed' }])], [['a long text'], ['short'], [], []]);
