@@ -120,6 +120,55 @@ class TestPage:
         assert (lower - upper) / thickness == pytest.approx([(lower - upper)[0] / thickness[0]] * 3)
         screen.close()
 
+    def test_equal_true_depths_stand_at_one_height(self, browser: Any) -> None:
+        """In a well that builds and in a straight one; every track and the pointer use the axis of true depth."""
+        build = hb.Survey([990.0, 1000.0, 1016.0, 1030.0], [0.0, 10.0, 60.0, 60.0], [75.0] * 4)
+        walls = {"Straight": made((0.0, 0.0, 990.0)), "Builds": made((0.0, 40.0, 985.0))}
+        walls["Builds"].path = build.path(head=(0.0, 40.0, 985.0))
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section&datum=~tvd", drawn=False)
+            screen.until("window.__wall.wells.section.columns.length === 2")
+            for name, wall in walls.items():
+                for depth in (1001.0, 1007.3, 1014.5):
+                    y, top, length, rect, found = screen.evaluate(
+                        "([name, depth]) => { const { section } = window.__wall.wells;"
+                        " const { well, rects } = section.columns.find((one) => one.well.name === name);"
+                        " const y = section.y(section.down(well, depth), rects); const { left, width } = rects.image;"
+                        " return [y, section.top, section.length, rects.axis,"
+                        "   section.found(left + width / 2, y).depth]; }",
+                        [name, depth],
+                    )
+                    tvd = float(wall.path.position([depth])[0][2])
+                    assert y == pytest.approx(rect["top"] + (tvd - top) / length * rect["height"], abs=0.5)
+                    assert found == pytest.approx(depth, abs=0.01)
+            texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            assert texts.count("TVD m") == 2
+            screen.close()
+
+    def test_the_scene_shows_planes_as_discs_and_names_their_colours(self, browser: Any) -> None:
+        walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
+        for wall in walls.values():
+            wall.picks = [hb.Pick(kind="fracture", depth=1006.0 + i, apparent_dip=60.0, toolface=90.0) for i in (0, 4)]
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, drawn=False)
+            screen.until("window.__wall.wells.drawn.length === 2 && window.__wall.wells.wells[1].planes.length")
+            screen.click("#fit")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'fracture')")
+            width, height, corners, towards = screen.evaluate(
+                "(({ scene, wells }) => { const { low, high, rect, from } = scene; const [{ planes: [plane] }] = wells;"
+                " const { a, b, frame: { high: up, right, tangent } } = plane;"
+                " const [n, e, d] = tangent.map((t, i) => t - a * up[i] - b * right[i]);"
+                " const share = (e * from[0] + n * from[1] - d * from[2]) / Math.hypot(n, e, d) / Math.hypot(...from);"
+                " const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((c) =>"
+                "   scene.project([0, 1, 2].map((i) => ((c >> i) & 1 ? high : low)[i]), rect));"
+                " return [rect.width, rect.height, corners, Math.abs(share)]; })(window.__wall.wells)"
+            )
+            assert towards > 0.5, "rather the face of the disc than its edge"
+            across, down = np.array(corners).T
+            assert 0 < across.min() < across.max() < width
+            assert 0 < down.min() < down.max() < height
+            screen.close()
+
     def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
         rect, top, length = screen.evaluate(

@@ -4,7 +4,7 @@
 // hatched; turns interpolated between arms are hatched sparsely.
 
 import { rowAt } from './curves.js';
-import { BOLD, fitting, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, depthAt, fitting, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, hatched, line, sharp, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
@@ -15,19 +15,19 @@ import { LENGTHS } from './units.js';
 // is 1 where a turn is mostly interpolated between arms. If `arms` is given, the diameters are those of the arms.
 /** @param {Look} look */
 export function profile({ store, view, imagePieces, rects, arms }) {
-  const { height } = rects.image;
-  const rows = Math.ceil(height);
+  const rect = { top: 0, height: rects.image.height };
+  const rows = Math.ceil(rect.height);
   const [min, max, c2] = [0, 1, 2].map(() => new Float32Array(rows).fill(NaN));
   const [seen, between] = [0, 1].map(() => new Uint8Array(rows));
   const found = { min, max, c2, seen, between };
-  const perRow = (view.bottom - view.top) / height;
   for (const { tile, top, bottom } of imagePieces) {
     const turns = tileTurns(store, tile, view.pass === 'first');
     const { pitch } = tile.level;
     const last = (tile.level.shown - 1 - tile.index * tile.level.tileSize) / tile.level.sectors;
-    const from = Math.max(0, Math.floor((top - view.top) / perRow));
-    for (let y = from; y < Math.min(rows, (bottom - view.top) / perRow); y++) {
-      const ends = [y, y + 1].map((p) => (view.top + p * perRow - tile.startDepth) / pitch);
+    const [from, stop] = [top, bottom].map((depth) => yOf(view, rect, depth));
+    for (let y = Math.max(0, Math.floor(from)); y < Math.min(rows, stop); y++) {
+      const depths = [y, y + 1].map((p) => depthAt(view, rect, p));
+      const ends = depths.map((depth) => (depth - tile.startDepth) / pitch);
       const first = Math.max(0, Math.floor(Math.min(...ends)));
       for (let row = first; row <= Math.min(Math.max(...ends), tile.level.rows - 1, last - 1); row++) {
         seen[y] = 1;
@@ -35,8 +35,8 @@ export function profile({ store, view, imagePieces, rects, arms }) {
         if (!arms) widen(found, y, turns, row);
       }
       if (!arms || !seen[y]) continue;
-      const [start, stop] = [y * perRow - Math.abs(pitch) / 2, (y + 1) * perRow + Math.abs(pitch) / 2].map((down) => rowAt(arms.depth, view.top + down));
-      for (let row = start; row < stop; row++) widen(found, y, arms, row);
+      const [above, below] = depths.map((depth, i) => rowAt(arms.depth, depth + (i - 0.5) * Math.abs(pitch)));
+      for (let row = above; row < below; row++) widen(found, y, arms, row);
     }
   }
   return found;

@@ -84,10 +84,10 @@ export const tracksEnd = (rects) => (rects.wall?.top && rects.wall.width ? rects
 export const imageRects = (rects) => Object.keys(rects).filter((name) => /^(image|beside)/.test(name)).map((name) => rects[name]);
 /** @param {Rect} rect @param {number} x @param {number} y */
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
-/** @param {Pick<View, 'top' | 'bottom'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} y */
-export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
-/** @param {Pick<View, 'top' | 'bottom'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} depth */
-export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
+/** @param {Pick<View, 'top' | 'bottom' | 'bent'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} y */
+export const depthAt = ({ top, bottom, bent }, rect, y) => (bent ? bent.depth((y - rect.top) / rect.height) : top + ((y - rect.top) / rect.height) * (bottom - top));
+/** @param {Pick<View, 'top' | 'bottom' | 'bent'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} depth */
+export const yOf = ({ top, bottom, bent }, rect, depth) => rect.top + (bent ? bent.share(depth) : (depth - top) / (bottom - top)) * rect.height;
 
 /** @type {(dark: 0 | 1) => Pick<Palette, 'zones' | 'fills' | 'picks' | 'top'>} */
 const colours = (dark) => {

@@ -14,22 +14,29 @@ const APART = 58; // pixels between two depths that are labelled
 const APART_ACROSS = 12; // pixels between two values below the colours
 const LEGEND = 170; // pixels of the words for missing and interpolated below the colours
 
+// Return the depths at the ends of the axis, measured or true, and how a measured depth follows from them.
+/** @param {View} view */
+function axisOf({ top, bottom, bent }) {
+  return bent ? { top: bent.top, bottom: bent.top + bent.length, at: (/** @type {number} */ tvd) => bent.depth((tvd - bent.top) / bent.length) } : { top, bottom, at: (/** @type {number} */ depth) => depth };
+}
+
 /** @param {Ink} ink @param {Look} look */
 export function drawAxis(ink, { view, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const right = tracksEnd(rects);
-  const { values, step } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
+  const { top, bottom, at } = axisOf(view);
+  const { values, step } = ticks(top, bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   ink.fillStyle = palette.panel;
   for (const ground of [rects.caliper, rects.curves]) if (ground) ink.fillRect(ground.left, ground.top, ground.width, ground.height);
   drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, STRIP, [rect.top, rect.top + rect.height], palette);
   ink.lineWidth = 1;
-  for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
-    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+  for (let depth = Math.ceil(top / (step / 5)) * (step / 5); depth <= bottom; depth += step / 5) {
+    const y = Math.round(yOf(view, rect, at(depth))) + 0.5;
     line(ink, rect.left + rect.width - 4, y, rect.left + rect.width, y, palette.soft);
   }
   for (const depth of values) {
-    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+    const y = Math.round(yOf(view, rect, at(depth))) + 0.5;
     line(ink, rect.left + rect.width - 8, y, right, y, palette.grid);
     line(ink, rect.left + rect.width - 9, y, rect.left + rect.width, y, palette.ink);
   }
@@ -39,7 +46,7 @@ const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
 /** @param {{ height: number }} of @param {number} scale */
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
-// Draw measured depth over true depth at every tick, and the letters of the zones. Texts that would touch the cursor's tag, which
+// Draw measured depth over true depth (on an axis of true depth the other way round) at every tick, and the letters of the zones. Texts that would touch the cursor's tag, which
 // is drawn first, are left out.
 /** @param {Ink} ink @param {Look} look */
 export function drawAxisLabels(ink, look) {
@@ -50,20 +57,22 @@ export function drawAxisLabels(ink, look) {
   else letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, [rect.top, rect.top + rect.height], palette);
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
-  label(ink, `${view.rig ? 'depth' : 'MD'} ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
-  if (path.trueDepth || !view.rig) label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
+  const { top, bottom, at } = axisOf(view);
+  label(ink, `${view.rig ? 'depth' : view.bent ? 'TVD' : 'MD'} ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
+  if (path.trueDepth || !view.rig) label(ink, path.trueDepth ? `${view.bent ? 'MD' : 'TVD'} ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
   const beside = rects.image.width && rects.image.left - end < 24; // whether the letters of the sides stand beside this
   if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
-  if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
-  const { values, digits } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
-  for (const depth of values) {
+  if (!view.rig) label(ink, `1:${Number(((bottom - top) / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
+  const { values, digits } = ticks(top, bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
+  for (const value of values) {
+    const depth = at(value);
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     const high = y < rect.top + 12; // no room above the tick
     const alone = view.rig && !path.trueDepth; // at its tick
-    label(ink, depthNumber(depth, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
-    const tvd = path.tvd(depth);
-    if (Number.isNaN(tvd) || high || y > rect.top + rect.height - 14) continue;
-    label(ink, depthNumber(tvd, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
+    label(ink, depthNumber(value, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
+    const other = view.bent ? depth : path.tvd(depth);
+    if (Number.isNaN(other) || high || y > rect.top + rect.height - 14) continue;
+    label(ink, depthNumber(other, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
   }
 }
 

@@ -50,6 +50,8 @@ export const numbers = (text) => (text ? text.split('_').map(Number).filter(Numb
 export const longest = ({ span: [shallow, deep] }) => Math.max(20, (deep - shallow) * 1.1);
 
 export class View extends Settings {
+  /** @type {Bend | undefined} */
+  bent = undefined; // an axis of true depth (wells_section.js)
   length = 30;
   top = 0;
   /** @type {Cursor | null} */

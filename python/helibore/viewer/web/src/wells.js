@@ -7,6 +7,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { drawColourBar } from './color_bar.js';
 import { pen, pixelRatio, sharpen, sized } from './device.js';
+import { drawLegend } from './dip_ink.js';
 import { byId, oncePerFrame, options, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { FLAT } from './flat.js';
@@ -20,7 +21,7 @@ import { recorder, svgFile } from './svg.js';
 import { numbers, View } from './view.js';
 import { Well } from './well.js';
 import { Scene } from './wells_scene.js';
-import { Section } from './wells_section.js';
+import { Section, TRUE } from './wells_section.js';
 
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
@@ -36,7 +37,7 @@ export class Wells {
   wells = [];
   note = ''; // how wells without a place were placed
   mode = 'scene';
-  datum = ''; // '': measured depths; else the name of the top that stands at one height
+  datum = ''; // '': measured depths; TRUE: true depths; else the name of the top that stands at one height
   /** @type {Record<'fence' | 'discs' | 'planes' | 'box', boolean>} */
   shown = { fence: true, discs: true, planes: true, box: true };
   /** @type {Set<string>} */
@@ -164,6 +165,10 @@ export class Wells {
       const asked = this.quantity;
       const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
       if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8 }, imagePieces: [] }, height - BAR / 2);
+      if (looks[0] && this.mode === 'scene' && this.shown.planes) {
+        const rects = { ...looks[0].rects, axis: { ...rect, height: height - BAR / 2 - 10 }, image: { ...rect, width: 0 }, pane: rect };
+        drawLegend(ink, { ...looks[0], view: this.viewOf(-1e6, 2e6), rects }, { kept: this.drawn.flatMap(({ planes }) => planes), boxes: [], selected: null, current: null, open: false }, []);
+      }
     }
     if (!coarse) gpu.whenDrawn(() => (this.cost = performance.now() - began));
     clearTimeout(this.addressing);
@@ -194,7 +199,7 @@ export class Wells {
     if (key !== this.listed) {
       this.listed = key;
       options('quantity', names);
-      options('datum', [['', 'measured depth'], ...tops.map(({ name }) => /** @type {Choice} */ ([name, `level: ${name}`]))]);
+      options('datum', [['', 'measured depth'], [TRUE, 'true vertical depth'], ...tops.map(({ name }) => /** @type {Choice} */ ([name, `hang on ${name}`]))]);
       options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
       byId('wells').replaceChildren(...wells.map((well) => this.wellRow(well)));
       byId('topsSection').hidden = !tops.length;

@@ -8,16 +8,17 @@ import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
 import { byId } from './dom.js';
 import { depthNumber, LENGTHS } from './units.js';
-import { cross, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
+import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 import { compass } from './wall_ink.js';
 
 const STEPS = 24; // of the strip of a bed from its top to its base
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
-const [ACROSS, UPWARDS] = [0.62, 0.6]; // shares of the picture that the wells fill at most
-const FROM = normalised([-0.5, -1, 0.35]); // direction from which the scene is seen at first
+const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
+const FROM = [-0.5, -1, 0.35]; // direction from which the scene is seen at first, if another does not show wells and picks better
 
 export class Scene {
   fitted = false;
+  seen = Infinity; // wells that it was fitted to
   changed = true; // the flat shapes are to be made anew
   key = '';
   usualTube = 1;
@@ -71,19 +72,37 @@ export class Scene {
   fit() {
     const { low, high, orbit, rect } = this;
     const { outside: camera } = this.wells.gpu;
-    const points = this.wells.drawn.flatMap((well) => along(well.store.span, STEPS).map((depth) => this.at(well, depth)));
+    const points = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]));
+    const from = this.facing();
     let far = length(minus(high, low)) / camera.tangent;
     Object.assign(camera, { aspect: rect.width / rect.height, near: far / 1e4, far: 10 * far });
     orbit.target = scaled(plus(low, high), 0.5);
     for (let i = 0; i < 20; i++) { // nearer and to the side, until the wells fill the picture
-      orbit.look(FROM, far);
+      orbit.look(from, far);
       const seen = points.map((point) => camera.project(point)).filter((at) => at !== null);
       const [[left, right], [lower, upper]] = [0, 1].map((axis) => seen.map((at) => at[axis])).map((places) => [Math.min(...places), Math.max(...places)]);
       orbit.target = plus(plus(orbit.target, camera.axes[0], ((left + right) / 2) * far * camera.tangent * camera.aspect), camera.axes[1], ((lower + upper) / 2) * far * camera.tangent);
       far *= Math.max((right - left) / 2 / ACROSS, (upper - lower) / 2 / UPWARDS, 0.5) ** 0.7;
     }
     this.fitted = true;
-    orbit.look(FROM, far);
+    this.seen = this.wells.drawn.length;
+    orbit.look(from, far);
+  }
+
+  // Return the direction from which the wells stand apart and the picked planes are seen as discs rather than as edges.
+  facing() {
+    const { drawn, shown } = this.wells;
+    const planes = shown.planes ? drawn.flatMap((well) => well.planes.filter(({ kind }) => kind !== 'bed').map(normalOf)) : [];
+    const middles = drawn.map((well) => this.at(well, (well.store.span[0] + well.store.span[1]) / 2));
+    const apart = middles.slice(1).map((middle) => normalised(minus(middle, middles[0])));
+    /** @param {Vector[]} of @param {(one: Vector) => number} share */
+    const mean = (of, share) => (of.length ? of.reduce((sum, one) => sum + share(one), 0) / of.length : 0);
+    const [best] = Array.from({ length: 12 }, (_, i) => {
+      const [c, s] = [Math.cos((i * Math.PI) / 6), Math.sin((i * Math.PI) / 6)];
+      const from = normalised([c * FROM[0] - s * FROM[1], s * FROM[0] + c * FROM[1], FROM[2]]);
+      return { from, worth: mean(apart, (one) => length(cross(one, from))) + (planes.length ? 1.5 * mean(planes, (normal) => Math.abs(dot(normal, from))) : -0.1 * Math.min(i, 12 - i)) };
+    }).sort((one, other) => other.worth - one.worth);
+    return best.from;
   }
 
   /** @param {import('./well.js').Well} well @param {number} [depth] */
@@ -101,7 +120,8 @@ export class Scene {
     const { gpu, drawn, view } = wells;
     this.rect = rect;
     this.orbit.enabled = true;
-    const key = [drawn.map(({ name, path }) => name + path.version).join(), view.theme, wells.tube].join();
+    const key = [drawn.map(({ name, path }) => name + path.version).join(), view.theme, wells.tube, ...this.from.slice(0, 2).map(Math.sign)].join();
+    if (drawn.length > this.seen) this.fitted = false; // another well has come
     if (this.changed || key !== this.key) {
       this.key = key;
       this.changed = false;
@@ -178,9 +198,9 @@ export class Scene {
 
   // Return the edge of a disc in a plane that was picked, wider than the hole also where the plane runs along it.
   /** @param {import('./well.js').Well} well @param {Plane} plane */
-  plane({ store }, { frame, a, b }) {
-    const { centre, high, right, tangent } = frame;
-    const normal = normalised(eastNorthUp(tangent.map((t, i) => t - a * high[i] - b * right[i])));
+  plane({ store }, plane) {
+    const { a, b, frame: { centre } } = plane;
+    const normal = normalOf(plane);
     const side = normalised(cross(normal, Math.abs(normal[2]) > 0.9 ? [1, 0, 0] : [0, 0, 1]));
     const other = cross(normal, side);
     const radius = Math.min(5, 1.6 * Math.hypot(1, a, b)) * store.bitRadius * this.wells.tube;
@@ -199,18 +219,24 @@ export class Scene {
     });
   }
 
+  // Return where the two walls of the box are that stand behind the wells, east and north, and where their opposite sides.
+  sides() {
+    const { low, high, from } = this;
+    const back = [0, 1].map((axis) => (from[axis] > 0 ? low : high)[axis]);
+    return { back, front: [0, 1].map((axis) => low[axis] + high[axis] - back[axis]) };
+  }
+
   // Return the lines of the floor and of the two walls that are behind.
   grid() {
     const { low, high } = this;
     const [east, north, up] = this.ticks();
+    const { back: [x, y], front } = this.sides();
     /** @type {[Vector, Vector][]} */
     const lines = [];
-    for (const { at } of east) lines.push([[at, low[1], low[2]], [at, high[1], low[2]]]);
-    for (const { at } of north) lines.push([[low[0], at, low[2]], [high[0], at, low[2]]]);
-    for (const { at } of up) lines.push([[low[0], high[1], at], [high[0], high[1], at]], [[low[0], low[1], at], [low[0], high[1], at]]);
-    for (const x of [low[0], high[0]]) for (const y of [low[1], high[1]]) if (y === high[1] || x === low[0]) lines.push([[x, y, low[2]], [x, y, high[2]]]);
-    const floor = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
-    floor.forEach(([x, y], i) => lines.push([[x, y, low[2]], [floor[(i + 1) % 4][0], floor[(i + 1) % 4][1], low[2]]]));
+    for (const at of [...east.map((tick) => tick.at), low[0], high[0]]) lines.push([[at, low[1], low[2]], [at, high[1], low[2]]]);
+    for (const at of [...north.map((tick) => tick.at), low[1], high[1]]) lines.push([[low[0], at, low[2]], [high[0], at, low[2]]]);
+    for (const at of [...up.map((tick) => tick.at), high[2]]) lines.push([[low[0], y, at], [high[0], y, at]], [[x, low[1], at], [x, high[1], at]]);
+    for (const [across, along] of [[x, y], [x, front[1]], [front[0], y]]) lines.push([[across, along, low[2]], [across, along, high[2]]]);
     return lines;
   }
 
@@ -261,10 +287,14 @@ export class Scene {
       const seen = this.project(place, rect);
       if (seen) label(ink, text, seen[0] + dx, seen[1] + dy, { colour: palette.soft, halo: palette.paper, align, font: SMALL, yields: true, margin: 3 });
     };
-    for (const tick of up) at([low[0], low[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
-    at([low[0], low[1], high[2]], `true depth [${unit}]`, 'right', -6, -14);
-    for (const tick of east) at([tick.at, low[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, 'center', 0, 12);
-    for (const tick of north) at([high[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, 'left', 8, 6);
+    const { back: [x, y], front } = this.sides();
+    const ends = [[x, front[1]], [front[0], y]].map(([across, along]) => [across, along, high[2]]);
+    const [edge] = ends.sort((a, b) => (this.project(a, rect)?.[0] ?? 0) - (this.project(b, rect)?.[0] ?? 0)); // the left one
+    for (const tick of up) at([edge[0], edge[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
+    at(edge, `true depth [${unit}]`, 'center', 0, -14);
+    const right = (this.project([front[0], y, low[2]], rect)?.[0] ?? 0) > (this.project([x, front[1], low[2]], rect)?.[0] ?? 0); // whether the north edge is at the right
+    for (const tick of east) at([tick.at, front[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, right ? 'right' : 'left', right ? -2 : 2, 12);
+    for (const tick of north) at([front[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, right ? 'left' : 'right', right ? 6 : -6, 10);
   }
 
   // Return the well whose axis is nearest to a place of the picture, and the depth there.
@@ -283,6 +313,8 @@ export class Scene {
   }
 }
 
+/** @param {Plane} plane @returns {Vector} */
+const normalOf = ({ a, b, frame: { high, right, tangent } }) => normalised(eastNorthUp(tangent.map((t, i) => t - a * high[i] - b * right[i])));
 /** @param {(angle: number) => Vector} point */
 const around = (point) => Array.from({ length: 36 }, (_, i) => point(10 * i));
 /** @param {Vector} ends @param {number} steps */

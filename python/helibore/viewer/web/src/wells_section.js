@@ -1,9 +1,9 @@
 // Several wells side by side, as in a correlation: each with depths, image and caliper; a bed that two neighbours have is a band
-// between them. Depths are measured depths, or count from a top, which then stands at one height in all wells.
+// between them. Depths are measured depths, true depths, or count from a top, which then stands at one height in all wells.
 
 import { drawCaliper } from './caliper.js';
 import { drawDips } from './dip_ink.js';
-import { BOLD, fitting, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { BOLD, depthAt, fitting, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { edges, line, sharp } from './strokes.js';
 import { intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawImageHead, drawOutside } from './tracks.js';
@@ -14,12 +14,18 @@ const NAME = 24; // pixels above the heads, for the names of the wells
 const AXIS = 76;
 const FOOT = 8;
 const SHORTEST = 0.5; // metres
+const SLICE = 16; // pixels of an image between two true depths that are drawn at one scale
+const STEPS = 400; // of a table of true depths along a well
+export const TRUE = '~tvd'; // the datum of true depths, which no top is called
+
+/** @typedef {{ well: import('./well.js').Well, rects: Rects, datum: number, bent?: Bend }} Column */
 
 export class Section {
   top = 0;
   length = 100;
   fitted = false;
-  /** @type {{ well: import('./well.js').Well, rects: Rects, datum: number }[]} */
+  seen = Infinity; // wells that it was fitted to
+  /** @type {Column[]} */
   columns = [];
 
   /** @param {import('./wells.js').Wells} wells */
@@ -27,18 +33,25 @@ export class Section {
     this.wells = wells;
   }
 
-  // Return the depth in a well from which its depths count here; NaN if the well lacks the top.
+  // Return the depth in a well from which its depths count here; NaN if the well lacks the top, or true depths.
   /** @param {import('./well.js').Well} well */
-  datumOf({ store }) {
+  datumOf({ store, path }) {
     const { datum } = this.wells;
+    if (datum === TRUE) return Number.isNaN(path.tvd(store.span[0])) ? NaN : 0;
     return datum ? (store.intervals.find(([name]) => name === datum)?.[1] ?? NaN) : 0;
   }
 
+  // Return how far down a depth of a well is here.
+  /** @param {import('./well.js').Well} well @param {number} depth */
+  down(well, depth) {
+    return this.wells.datum === TRUE ? trueDepths(well).down(depth) : depth - this.datumOf(well);
+  }
+
   fit() {
-    const ends = this.wells.drawn.map((well) => well.store.span.map((depth) => depth - this.datumOf(well))).filter(([top]) => Number.isFinite(top));
+    const ends = this.wells.drawn.filter((well) => Number.isFinite(this.datumOf(well))).map((well) => well.store.span.map((depth) => this.down(well, depth)));
     if (!ends.length) return;
     const [top, bottom] = [Math.min(...ends.map((one) => one[0])), Math.max(...ends.map((one) => one[1]))];
-    Object.assign(this, { top: top - 0.01 * (bottom - top), length: 1.02 * (bottom - top), fitted: true });
+    Object.assign(this, { top: top - 0.01 * (bottom - top), length: 1.02 * (bottom - top), fitted: true, seen: this.wells.drawn.length });
   }
 
   /** @param {number} top @param {number} length */
@@ -49,7 +62,7 @@ export class Section {
 
   /** @param {import('./well.js').Well} well @param {number} depth */
   centre(well, depth) {
-    this.go(depth - this.datumOf(well) - this.length / 2, this.length);
+    this.go(this.down(well, depth) - this.length / 2, this.length);
   }
 
   /** @param {number} steps @param {boolean} zooms @param {number} y */
@@ -73,7 +86,7 @@ export class Section {
     const { wells } = this;
     const { gpu, view } = wells;
     wells.scene.orbit.enabled = false;
-    if (!this.fitted) this.fit();
+    if (!this.fitted || wells.drawn.length > this.seen) this.fit();
     const palette = PALETTES[view.theme];
     const drawn = wells.drawn.filter((well) => Number.isFinite(this.datumOf(well)));
     const each = rect.width / Math.max(1, drawn.length);
@@ -86,19 +99,28 @@ export class Section {
       const caliper = shape && well.store.basis !== 'gauge' ? Math.round(0.36 * room) : 0;
       const image = { ...body, left: left + AXIS, width: room - caliper - (caliper ? 6 : 0) };
       const none = { ...body, left, width: 0 };
-      return { well, datum: this.datumOf(well), rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, wall: none, pane: none } };
+      const bent = wells.datum === TRUE ? bend(well, this.top, this.length) : undefined;
+      return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, wall: none, pane: none } };
     });
-    const looks = this.columns.map(({ well, datum, rects }) => {
-      const shown = wells.viewOf(this.top + datum, this.length);
-      well.ask(shown.top, shown.bottom);
-      const look = wells.look(well, Object.create(shown, { camera: { value: 'straight' } }), rects);
-      gpu.image(look);
+    const looks = this.columns.map(({ well, datum, bent, rects }) => {
+      const [top, bottom] = bent ? [0, 1].map(bent.depth) : [this.top + datum, this.top + datum + this.length];
+      const shown = wells.viewOf(top, bottom - top);
+      well.ask(top, bottom);
+      const look = wells.look(well, Object.create(shown, { camera: { value: 'straight' }, bent: { value: bent } }), rects);
+      const { image } = rects;
+      for (let y = 0; y < image.height; y += bent ? SLICE : image.height) { // the image of a slice has one scale
+        const slice = { ...image, top: image.top + y, height: Math.min(bent ? SLICE : image.height, image.height - y) };
+        const [from, to] = [slice.top, slice.top + slice.height].map((end) => depthAt(look.view, image, end));
+        gpu.image({ ...look, view: wells.viewOf(from, to - from), imageRect: slice, imagePieces: look.imagePieces.filter((piece) => piece.bottom > from && piece.top < to) });
+      }
       return look;
     });
     if (wells.shown.fence) this.join(ink, body);
     looks.forEach((look, i) => this.column(ink, look, this.columns[i], palette));
     const left = wells.drawn.length - drawn.length;
-    if (left) label(ink, `${left} well${left === 1 ? '' : 's'} without ${wells.datum} not shown`, rect.left + rect.width - 8, rect.height - 4, { colour: palette.soft, align: 'right', font: SMALL });
+    const level = wells.datum === TRUE ? drawn.filter((well) => trueDepths(well).level).map(({ name }) => name) : [];
+    const notes = [...(left ? [`${left} well${left === 1 ? '' : 's'} without ${wells.datum === TRUE ? 'true depth (a survey from depth 0, or path.head, gives it)' : wells.datum} not shown`] : []), ...(level.length ? [`where ${level.join(', ')} rises, it is not shown`] : [])];
+    if (notes.length) label(ink, notes.join('; '), rect.left + rect.width - 8, rect.height - 4, { colour: palette.soft, align: 'right', font: SMALL });
     return looks;
   }
 
@@ -123,7 +145,7 @@ export class Section {
     edges(ink, sharp(image, -1), palette.line);
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
     for (const [name, start] of look.intervals) {
-      const y = this.y(start - this.datumOf(well), rects);
+      const y = this.y(this.down(well, start), rects);
       if (y < axis.top || y > axis.top + axis.height) continue;
       line(ink, axis.left, y, right, y, colours.get(name) ?? palette.top, [], 2.5);
       label(ink, fitting(ink, [name], image.width - 8), image.left + 5, y + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
@@ -147,7 +169,7 @@ export class Section {
       const end = one.rects.caliper.width ? one.rects.caliper : one.rects.image;
       const [left, right] = [end.left + end.width + 2, next.rects.axis.left];
       for (const { name, colour } of this.wells.tops) {
-        const [a, b] = [one, next].map(({ well, rects, datum }) => (this.wells.hidden.has(name) ? null : bed(well, name)?.map((depth) => this.y(depth - datum, rects))));
+        const [a, b] = [one, next].map(({ well, rects }) => (this.wells.hidden.has(name) ? null : bed(well, name)?.map((depth) => this.y(this.down(well, depth), rects))));
         if (!a || !b) continue;
         const [top, base] = [0, 1].map((edge) => [one, next].every(({ well }) => drilled(well, name)[edge]));
         if (top) line(ink, left, a[0], right, b[0], colour, [], 2.5);
@@ -166,11 +188,11 @@ export class Section {
 
   /** @param {number} x @param {number} y */
   found(x, y) {
-    for (const { well, rects, datum } of this.columns) {
+    for (const { well, rects, datum, bent } of this.columns) {
       const { axis, image, caliper } = rects;
       const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
       if (x < axis.left || x > right || y < axis.top || y > axis.top + axis.height) continue;
-      return { well, depth: this.top + datum + ((y - axis.top) / axis.height) * this.length };
+      return { well, depth: depthAt({ top: this.top + datum, bottom: this.top + datum + this.length, bent }, axis, y) };
     }
     return null;
   }
@@ -196,4 +218,51 @@ export class Section {
       ...own,
     ];
   }
+}
+
+/** @type {WeakMap<import('./well.js').Well, { key: string, down(depth: number): number, depth(down: number): number, level: boolean }>} */
+const tables = new WeakMap();
+
+// Return how a well's measured depths become true depths, and back. Above and below the hole both grow alike. Where the hole rises
+// (`level`), no true depth belongs to one measured depth: it has no height there.
+/** @param {import('./well.js').Well} well */
+function trueDepths(well) {
+  const { path, store: { span: [top, bottom] } } = well;
+  const key = [path.version, top, bottom].join();
+  const kept = tables.get(well);
+  if (kept?.key === key) return kept;
+  const step = (bottom - top) / STEPS;
+  let level = false;
+  /** @type {number[]} */
+  const trues = [];
+  for (let i = 0; i <= STEPS; i++) {
+    const tvd = path.tvd(top + i * step);
+    const least = i ? trues[i - 1] + 1e-6 * step : -Infinity;
+    level ||= tvd < least;
+    trues.push(tvd > least ? tvd : i ? least : tvd);
+  }
+  const last = trues[STEPS];
+  /** @param {number} depth */
+  const down = (depth) => {
+    if (depth <= top) return trues[0] + depth - top;
+    if (depth >= bottom) return last + depth - bottom;
+    const i = Math.min(STEPS - 1, Math.floor((depth - top) / step));
+    return trues[i] + ((depth - top) / step - i) * (trues[i + 1] - trues[i]);
+  };
+  /** @param {number} at */
+  const depth = (at) => {
+    if (at <= trues[0]) return top + at - trues[0];
+    if (at >= last) return bottom + at - last;
+    const i = trues.findIndex((one) => one > at) - 1;
+    return top + (i + (at - trues[i]) / (trues[i + 1] - trues[i])) * step;
+  };
+  const made = { key, down, depth, level };
+  tables.set(well, made);
+  return made;
+}
+
+/** @param {import('./well.js').Well} well @param {number} top @param {number} length @returns {Bend} */
+function bend(well, top, length) {
+  const { down, depth } = trueDepths(well);
+  return { top, length, share: (md) => (down(md) - top) / length, depth: (share) => depth(top + share * length) };
 }
