@@ -3,10 +3,11 @@
     bit moves up       |ahead|     from 2010.3 to 2012.1 m the stabiliser does not pass
                    ----#------[stabiliser]------bit    "8.2 m", so far the bit moves until it sticks
 
-The string is that of the configuration or, without one, a body as wide as the bit whose lower end is the bit. It is
-rigid and straight. Its clearance is that of `Wall.passage`, in the part of the wall that lies ahead; hole that is not
-sampled counts as open. So what is said to be tight is tight, whatever lies between the samples, also where a telemetry
-tool measured only a few places of each turn.
+The string is that of the configuration or, without one, a body as wide as the bit whose lower end is the bit. Each of
+its bodies is rigid and straight, and between them it bends with the hole, as collars do: a rigid string of 30 m would
+stick in any hole that builds a degree. So each body has the clearance of `Wall.passage` in the straightened hole, in
+the part of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight,
+whatever lies between the samples, also where a telemetry tool measured only a few places of each turn.
 """
 
 from __future__ import annotations
@@ -20,17 +21,24 @@ from typing import NamedTuple
 import numpy as np
 
 from helibore.base.arrays import Integers, runs_of
+from helibore.base.utc_time import SECOND
 from helibore.live.live import Live
 from helibore.live.rules.configuration import AlarmLimits
-from helibore.logs.passage import Passage, passage_of
+from helibore.logs.passage import passage_of
 from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
 
 MOVED = 0.25
 """Metres that the bit must move in one direction until what lies there is looked at."""
+RESTS = 10.0
+"""Seconds after which a bit that has not moved on counts as hanging: it may move either way."""
+MOVES_ON = 0.05
+"""Metres that it moves on at least."""
+MORE = 15.0
+"""Metres of hole on both sides that are solved beforehand while the string is tripped, and last while the wall does."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
-"""Looking takes at most one part in so many of a processor's time, for a tripped bit and for another."""
+"""Solving takes at most one part in so many of a processor's time, for a tripped bit and for another."""
 
 
 class Place(NamedTuple):
@@ -102,7 +110,7 @@ class Outlook:
         For each body of the string, the depths of the bit at which it first sticks if the string is pulled, and if it
         is run in, metres; None: nowhere.
     moving
-        "up" or "down", if the bit is tripped; "" if it is on bottom or has not moved yet.
+        "up" or "down", if the bit is tripped; "" if it is on bottom, hangs or has not moved yet.
     touching
         For each body, the diameter with which it counts where it touches, metres.
     """
@@ -121,7 +129,13 @@ class Ahead:
         self._live = live
         self._from, self._up = math.nan, True  # where the bit turned round last, and whether it moves up
         self._moves = self._on_bottom = False
+        self._last, self._since = math.nan, 0  # where the bit moved on last, and when
         self._due = 0.0
+        self._known: object = None  # the wall of which `_bodies` are known, between the depths `_ends`
+        self._ends = (math.nan, math.nan)
+        self._string: tuple[RigidBody, ...] = ()
+        self._counts: tuple[float, ...] = ()
+        self._bodies: list[_Tight] = []
         self.outlook: Outlook | None = None
 
     @property
@@ -143,13 +157,16 @@ class Ahead:
             self._from, self._moves, self._up = math.nan, False, True
         else:
             self._follow(bit[0])
-        moving = ("up" if self._up else "down") if self._moves else ""
+        now = self._live.clock()[1]
+        if not abs(bit[0] - self._last) < MOVES_ON:
+            self._last, self._since = bit[0], now
+        hangs = now - self._since > RESTS * SECOND
+        moving = ("up" if self._up else "down") if self._moves and not hangs else ""
         if time.monotonic() >= self._due:
             began = time.thread_time()
-            self.outlook = self._look_around(bit[0], limits, moving)
+            self._solve(bit[0], limits)
             self._due = time.monotonic() + (SHARE if self._moves else SHARE_AT_REST) * (time.thread_time() - began)
-        elif self.outlook is not None and self.outlook.moving != moving:
-            self.outlook = replace(self.outlook, moving=moving)
+        self.outlook = self._look_around(bit[0], limits.ahead, moving)
         return self.found if self._moves else None
 
     def _follow(self, bit: float) -> None:
@@ -161,74 +178,35 @@ class Ahead:
             self._from = bit  # the farthest place in this direction
         elif abs(bit - self._from) >= MOVED:
             self._moves, self._up, self._from = True, up, bit
-            self._due = 0.0
 
-    def _look_around(self, bit: float, limits: AlarmLimits, moving: str) -> Outlook:
-        configuration = self._live.model.configuration
+    def _solve(self, bit: float, limits: AlarmLimits) -> None:
+        """Find where each body sticks in the hole around the bit, unless that is known of this wall."""
+        configuration, wall = self._live.model.configuration, self._live.wall
         size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
         string = configuration.string or (RigidBody(size, limits.body, name="bit"),)
+        length = max(body.position + body.length for body in string)
+        top, bottom = bit - ahead - length, bit + ahead
+        known = id(wall), wall.sample_count, string, limits
+        if known == self._known and self._ends[0] <= top and bottom <= self._ends[1]:
+            return
+        more = min(ahead, MORE) if self._moves else 0.0
+        self._known, self._string, self._ends = known, string, (top - more, bottom + more)
         # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches. This is
         # looked for up to half of the limit, since in a hole as wide as the bit noise of the samples is not tight.
         thin, touching = (
             [replace(body, diameter=max(0.0, min(body.diameter, size - least))) for body in string]
             for least in (tight, 0.5 * tight)
         )
-        counts = tuple(body.diameter for body in touching)
-        length = max(body.position + body.length for body in string)
-        stretch = self._stretch(bit - ahead - length, bit + ahead, length)
-        if stretch is None:
-            return Outlook(None, None, ((None, None),) * len(string), moving, counts)
-        together = _Tight(stretch, thin, touching)
-        alone = [_Tight(stretch, [one], [other]) for one, other in zip(thin, touching, strict=True)]
-        sides = [self._side(together, string, bit, ahead, up) for up in (True, False)]
-        at = [
-            tuple(
-                _first([*own.sticks_at(bit, ahead, up), *together.sticks_at(bit, ahead, up, number)], up)
-                for up in (True, False)
-            )
-            for number, own in enumerate(alone)
-        ]
-        return Outlook(sides[0], sides[1], tuple((up, down) for up, down in at), moving, counts)
+        self._counts = tuple(body.diameter for body in touching)
+        stretch = self._stretch(*self._ends, length)
+        each = zip(range(len(string)), string, thin, touching, strict=True)
+        self._bodies = [] if stretch is None else [_Tight(stretch, *of) for of in each]
 
-    def _side(
-        self, tight: _Tight, string: Sequence[RigidBody], bit: float, ahead: float, up: bool
-    ) -> TightAhead | None:
-        """Return what is tight above or below the bit; None if nothing is."""
-        found, lower = tight.found, tight.lower
-        runs = tight.runs(bit, ahead, up)
-        if not runs:
-            return None
-        spots = []
-        for rows in runs:
-            top, bottom, passes, number, row = self._spot(found, rows)
-            name = string[number].name or ("bit" if string[number].position == 0 else f"body {number + 1}")
-            at = round(float(lower[rows[0]]), 2), name, round(float(lower[row]), 2), number
-            spots.append(Place(round(top, 2), round(bottom, 2), round(passes, 4), *at))
-        spot = spots[0]
-        body = string[spot.body]
-        places = _joined(spots, string)
-        nearest = (max if up else min)(places, key=lambda place: place.sticks_at)
-        worst = max(places, key=lambda place: string[place.body].diameter - place.passes)
-        sizes = f"{1e3 * spot.passes:.1f} mm pass at most, the {spot.first} has {1e3 * body.diameter:.1f} mm"
-        side = "above" if up else "below"
-        ends = f"from {spot.top:.1f} to {spot.bottom:.1f} m"
-        text = f"tight hole {side} the bit at {bit:.1f} m: {ends} {sizes}"
-        return TightAhead(
-            spot.sticks_at, up, spot.top, spot.bottom, spot.first, spot.passes, body.diameter, text,
-            len(places), nearest, worst,
-        )  # fmt: skip
-
-    def _spot(self, found: Passage, rows: Integers) -> tuple[float, float, float, int, int]:
-        """Return the ends of a tight place, what passes at most of the body that sticks first, its number, and where.
-
-        The last is the row of ``found`` in which this body is tightest.
-        """
-        number = int(found.contact_body[rows[found.clearance[rows] < 0][0], 0])
-        of_body = rows[found.contact_body[rows, 0] == number]
-        touched = found.contact_depth[of_body, 0]
-        row = int(of_body[np.argmin(found.clearance[of_body])])
-        passes = found.string[number].diameter + float(found.clearance[row])
-        return float(touched.min()), float(touched.max()), passes, number, row
+    def _look_around(self, bit: float, ahead: float, moving: str) -> Outlook:
+        up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
+        sides = _side(up, self._string, bit, up=True), _side(down, self._string, bit, up=False)
+        at = tuple((_first(above, up=True), _first(below, up=False)) for above, below in zip(up, down, strict=True))
+        return Outlook(*sides, at or ((None, None),) * len(self._string), moving, self._counts)
 
     def _stretch(self, top: float, bottom: float, beyond: float) -> WallState | None:
         """Return the whole turns between two depths, with the samples that decide what is sampled there.
@@ -249,9 +227,7 @@ class Ahead:
         lack = (own.start - K * first, K * stop - own.stop)
         depth, reach = wall.sample_columns[0], max(NEAR_DEPTH, wall.settings.gap_reach)
         near = slice(*np.searchsorted(depth, (top - reach, bottom + reach)).tolist())  # samples are sorted by depth
-        path = self._live.model.stations.reaching(bottom)
         start = start_depth + first * pitch
-        path = path if path is not None and path.start_depth <= min(top, start) else None
         return replace(
             wall,
             settings=replace(wall.settings, start_depth=start),
@@ -261,60 +237,89 @@ class Ahead:
             support=np.pad(wall.support[own], lack),
             iterations=np.pad(wall.iterations[own], lack),
             sample_columns=tuple(column[near] for column in wall.sample_columns),
-            path=path,
+            path=None,
             sums=(),
         )
 
 
 class _Tight:
-    """Where bodies on one axis stick in a stretch of a wall: by the limit, and from where they touch."""
+    """Where one body of the string sticks in a stretch of a wall: by the limit, and from where it touches."""
 
-    def __init__(self, stretch: WallState, thin: Sequence[RigidBody], touching: Sequence[RigidBody]) -> None:
-        self.found = passage_of(stretch, thin, upper_limit=True)
-        self.lower = self.found.depth + self.found.length / 2
-        self._touches = passage_of(stretch, touching, upper_limit=True).clearance < 0
+    def __init__(
+        self, stretch: WallState, number: int, body: RigidBody, thin: RigidBody, touching: RigidBody
+    ) -> None:  # fmt: skip
+        self._number, self._name, self._thin = number, _name(body, number), thin
+        self._found = passage_of(stretch, [thin], upper_limit=True)
+        self._lower = self._found.depth + self._found.length / 2
+        self._touches = passage_of(stretch, [touching], upper_limit=True).clearance < 0
 
-    def runs(self, bit: float, ahead: float, up: bool) -> list[Integers]:
-        """Return the rows of each tight stretch within ``ahead`` on one side, from what the string meets first."""
-        travel = bit - self.lower if up else self.lower - bit
+    def places(self, bit: float, ahead: float, up: bool) -> list[Place]:
+        """Return the tight places within ``ahead`` on one side, from what the body meets first."""
+        found, lower, places = self._found, self._lower, []
+        for rows in self._runs(bit, ahead, up):
+            row = rows[np.argmin(found.clearance[rows])]
+            touched = found.contact_depth[rows, 0]
+            ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
+            passes = round(self._thin.diameter + float(found.clearance[row]), 4)
+            sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
+            places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number))
+        return places
+
+    def _runs(self, bit: float, ahead: float, up: bool) -> list[Integers]:
+        """Return the rows of each tight stretch within ``ahead`` on one side, from what the body meets first."""
+        travel = bit - self._lower if up else self._lower - bit
         order = np.argsort(travel, kind="stable")
-        order = order[(travel[order] >= -0.49 * self.found.height) & (travel[order] <= ahead)]
+        order = order[(travel[order] >= -0.49 * self._found.height) & (travel[order] <= ahead)]
         runs, end = [], 0
-        for first, stop in runs_of(self.found.clearance[order] < 0):
+        for first, stop in runs_of(self._found.clearance[order] < 0):
             while first > end and self._touches[order[first - 1]]:
                 first -= 1
             runs.append(order[first:stop])
             end = stop
         return runs
 
-    def sticks_at(self, bit: float, ahead: float, up: bool, body: int = 0) -> list[float]:
-        """Return the depths of the bit at which a body begins to stick on one side."""
-        held = self.found.contact_body[:, 0] == body
-        runs = (rows[held[rows]] for rows in self.runs(bit, ahead, up))
-        return [round(float(self.lower[rows[0]]), 2) for rows in runs if rows.size]
+
+def _name(body: RigidBody, number: int) -> str:
+    """Return what the page and the alarms call a body."""
+    return body.name or ("bit" if body.position == 0 else f"body {number + 1}")
 
 
-def _first(depths: list[float], up: bool) -> float | None:
-    """Return the depth that the bit reaches first, if it moves up or down."""
-    return (max if up else min)(depths, default=None)
+def _first(places: Sequence[Place], up: bool) -> float | None:
+    """Return the depth at which a body sticks first, if the bit moves up or down; None: nowhere."""
+    return (max if up else min)((place.sticks_at for place in places), default=None)
 
 
-def _joined(spots: list[Place], string: Sequence[RigidBody]) -> list[Place]:
+def _side(places: Sequence[Sequence[Place]], string: Sequence[RigidBody], bit: float, up: bool) -> TightAhead | None:
+    """Return what is tight above or below the bit, from the places of each body; None if nothing is."""
+    joined = _joined([place for of_body in places for place in of_body], string, up)
+    if not joined:
+        return None
+    nearest = (max if up else min)(joined, key=lambda place: place.sticks_at)
+    worst = max(joined, key=lambda place: string[place.body].diameter - place.passes)
+    body = string[nearest.body]
+    needed = f"the {_name(body, nearest.body)} has {1e3 * body.diameter:.1f} mm"
+    ends = f"from {nearest.top:.1f} to {nearest.bottom:.1f} m"
+    text = f"tight hole {'above' if up else 'below'} the bit at {bit:.1f} m: {ends}"
+    text += f" {1e3 * nearest.passes:.1f} mm pass at most, {needed}"
+    return TightAhead(
+        nearest.sticks_at, up, nearest.top, nearest.bottom, nearest.first, nearest.passes, body.diameter, text,
+        len(joined), nearest, worst,
+    )  # fmt: skip
+
+
+def _joined(places: Sequence[Place], string: Sequence[RigidBody], up: bool) -> list[Place]:
     """Return the places that overlap as one, as tight as the tightest: bodies stick there one after the other.
 
-    The string begins to stick there as it does in the one that it meets first.
+    The string begins to stick there as the body does that meets it first.
     """
-    order = {spot: number for number, spot in enumerate(spots)}
     found: list[Place] = []
-    for spot in sorted(spots):
-        if not (found and spot.top <= found[-1].bottom):
-            found.append(spot)
+    for place in sorted(places):
+        if not (found and place.top <= found[-1].bottom):
+            found.append(place)
             continue
         last = found.pop()
-        first = min(last, spot, key=lambda place: order.get(place, 0))
-        worst = max(last, spot, key=lambda place: string[place.body].diameter - place.passes)
-        bottom = max(last.bottom, spot.bottom)
-        joined = worst._replace(top=last.top, bottom=bottom, sticks_at=first.sticks_at, first=first.first)
-        order[joined] = min(order[last], order[spot])
-        found.append(joined)
+        first = (max if up else min)(last, place, key=lambda one: one.sticks_at)
+        worst = max(last, place, key=lambda one: string[one.body].diameter - one.passes)
+        bottom = max(last.bottom, place.bottom)
+        found.append(worst._replace(top=last.top, bottom=bottom, sticks_at=first.sticks_at, first=first.first))
     return found

@@ -168,6 +168,35 @@ def test_the_string_says_which_of_its_bodies_sticks_and_when():
     assert trip.said == []
 
 
+def test_a_long_string_bends_with_the_hole_where_it_builds():
+    """Two bodies 13 m apart in a hole that builds a degree in 3 m: on one axis, neither would have room."""
+    survey = 'survey = { depth = "0708", inclination = "0713", azimuth = "0715" }\n'
+    ends = "".join(f'[[string]]\ndiameter = "212mm"\nlength = 1.0\nposition = {at}\n' for at in (0.0, 13.0))
+    trip = Trip("tight = 0.006\nahead = 3.0\n", more=survey + ends)
+    for depth, inclination in ((40.0, 0.0), (150.0, 37.0)):
+        items = [(708, f"{depth}"), (713, f"{inclination}"), (715, "0.0")]
+        trip.live.receive("rig", wits.frame(items))
+    for bit in (124.5, 124.0):
+        trip.to(bit)
+    assert trip.live.model.stations.reaching(125.0) is not None
+    assert trip.alarms.ahead.outlook.moving == "up"
+    assert trip.alarms.ahead.outlook.up is None
+
+
+def test_a_bit_that_hangs_may_move_either_way_and_its_alarm_stays():
+    trip = Trip()
+    for bit in (130.0, 129.0, 128.0):
+        trip.to(bit)
+    (said,) = trip.said
+    assert trip.alarms.ahead.outlook.moving == "up"
+    for _ in range(3):
+        trip.to(128.0)
+    assert trip.alarms.ahead.outlook.moving == ""
+    assert trip.said == [said]
+    trip.to(127.9)
+    assert trip.alarms.ahead.outlook.moving == "up"
+
+
 def test_the_worst_of_several_tight_places_is_named_beside_the_nearest():
     trip = Trip()
     draw = np.random.default_rng(5)
