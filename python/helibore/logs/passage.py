@@ -35,6 +35,8 @@ MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
 """Lengths of the drift mandrels of API 5CT, metres: casing up to 8 5/8 in, casing from 9 5/8 in, tubing."""
 OPEN = 1.0
 """Metres: radius of hole that counts as wide open."""
+BESIDE = 2
+"""Vertices above, below and on both sides of a radius; it is thought no narrower than they are."""
 RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a body is not measured"
 
 
@@ -284,11 +286,12 @@ def hanging_at(
     bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
     path, threads = core_path(getattr(wall, "path", None)), thread_count(getattr(wall, "threads", None))
     known = np.isfinite(radius) if sampled is None else sampled
+    inward = None if sigma is None else _inward(radius[own], sigma[own], K)
     row = round((lower_end - middle - helix.start_depth) / helix.pitch - helix.first / K - 0.5) - first
     for at_most in (False, True):
         radii = part(np.where(known, radius, OPEN) if at_most else radius, OPEN)
         counts = np.empty(0) if at_most else part(known.astype(np.float64), 1.0)
-        errors = np.empty(0) if at_most or sigma is None else part(sigma, 0.0)
+        errors = np.empty(0) if at_most or inward is None else np.pad(inward, lack)
         found = _core.passage_columns(place, radii, path, bodies, counts, errors, threads)
         clearance, body = float(found["clearance"][row]), int(found["contact_body"][row, 0])
         if math.isfinite(clearance):
@@ -327,7 +330,7 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, u
     if upper_limit and sampled is not None:
         radius, sampled = np.where(sampled, radius, OPEN), None
     counts = np.empty(0) if sampled is None else sampled.astype(np.float64)
-    errors = np.empty(0) if sigma is None else column("sigma", sigma, radius.size, "radius")
+    errors = np.empty(0) if sigma is None else _inward(radius, column("sigma", sigma, radius.size, "radius"), K)
     threads = thread_count(getattr(wall, "threads", None))
     place = (helix.start_depth, helix.start_toolface, pitch, K, helix.first)
     found = _core.passage_columns(place, radius, core_path(path), bodies, counts, errors, threads)
@@ -338,6 +341,26 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, u
         "string": tuple(string),
         "height": abs(pitch),
     }
+
+
+def _inward(radius: Floats, sigma: Floats, sectors: int) -> Floats:
+    """Return the uncertainty of each radius, metres; at most what makes it as narrow as the hole beside it.
+
+    A radius at the edge of a washout or key seat may be that of either, so its uncertainty is great. But it is not less
+    than that of the gauge hole, where the string clears what it clears beside the edge.
+    """
+    held = radius.size // sectors * sectors
+    wide, sure = radius[:held].reshape(-1, sectors), sigma[:held].reshape(-1, sectors)
+    least, surest = wide.copy(), sure.copy()
+    for away in range(1, BESIDE + 1):
+        for own, other in ((slice(away, None), slice(None, -away)), (slice(None, -away), slice(away, None))):
+            for here in ((own, slice(None)), (slice(None), own)):
+                there = tuple(other if part is own else part for part in here)
+                np.fmin(least[here], wide[there], out=least[here])
+                np.fmin(surest[here], sure[there], out=surest[here])
+    found = np.array(sigma)
+    found[:held] = np.minimum(sure, (wide - least) / 1.96 + 3.0 * surest).ravel()  # NaN: not known
+    return found
 
 
 def _curvature(path: Path | None, depth: Floats, length: float) -> Floats:

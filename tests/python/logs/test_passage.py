@@ -278,3 +278,18 @@ def test_a_wall_gives_drift_with_its_interval_table_and_column() -> None:
     clear = wall.passage([RigidBody(0.2, 0.3)], sigma=True)
     assert clear.table()["CLEARANCE"].values == pytest.approx(replace(clear).clearance, nan_ok=True)
     assert "LOW" not in [of.mnemonic for of in wall.drift(0.305).table()]
+
+
+def test_the_edge_of_a_washout_does_not_make_the_clearance_beside_it_unsure():
+    """At the edge a radius may be that of either side; it is not narrower than the gauge hole, which is known well."""
+    depth = np.arange(2000.0, 2012.0, 1 / 400)
+    draw = np.random.default_rng(3)
+    radius = np.where(abs(depth - 2006) < 1, 0.134, 0.1085) + draw.normal(0, 0.0003, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, np.arange(depth.size) * 47.3 % 360, radius), bit_diameter=0.216)
+    found = wall.passage([hb.RigidBody(0.2145, 1.0)], sigma=True)
+    wide = found.high - found.low
+    beside = (abs(abs(found.depth - 2006) - 1.3) < 0.5) & (found.clearance < 0.01)
+    away = abs(found.depth - 2006) > 3
+    assert wide[away & found.known].mean() < 0.003
+    assert wide[beside].max() < 0.007
+    assert (found.low[away & found.known] < 0.0025).all()
