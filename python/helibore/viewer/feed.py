@@ -301,7 +301,7 @@ class Feed:
             sure = {"confidence": round(zone.confidence, 6), "measured": _share(zone.coverage)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
             zones.append(place | size | sure | side)
-        zones = sorted(zones + list(self._alarmed_zones(wall, found)), key=lambda zone: float(zone["start"]))
+        zones = sorted(zones + list(self._alarmed_zones(wall, found, sigma)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
             self.scene.update_state(zones=tuple(zones), zones_to=round(self._ends[1], 2))
             if len(found.logs):
@@ -309,8 +309,11 @@ class Feed:
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
-    def _alarmed_zones(self, wall: Any, found: Classification) -> Iterator[dict[str, Any]]:
-        """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval."""
+    def _alarmed_zones(self, wall: Any, found: Classification, sigma: Floats | None) -> Iterator[dict[str, Any]]:
+        """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval.
+
+        Their confidence is the probability that the worst of them is beyond the limit of the alarm.
+        """
         if not self._alarmed:
             return
         sectors, join = self._shape.sectors, (self._criteria or Criteria()).join
@@ -321,10 +324,14 @@ class Feed:
                 start, stop = sorted(self._shape.start_depth + turn * self._shape.pitch for turn in (first, last))
                 if any(of.kind == kind and of.start < stop and of.stop > start for of in found.zones):
                     continue
-                turns = over[first:last][beyond[first:last]]
-                measure = float(turns.max() if kind == "washout" else turns.min())
+                turn = first + int(np.nanargmax(over[first:last] * (1 if kind == "washout" else -1)))
+                measure = float(over[turn])
+                errors = np.empty(0) if sigma is None else 2.0 * sigma[turn * sectors : (turn + 1) * sectors]
+                errors = errors[np.isfinite(errors)]
+                spread = NormalDist(0, max(float(np.median(errors)), 1e-6)) if errors.size else None
+                confidence = round(spread.cdf(abs(measure) - abs(limit)), 6) if spread else LIKELY
                 size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
-                sure = {"confidence": LIKELY, "measured": _share(float(found.logs.coverage[first:last].mean()))}
+                sure = {"confidence": confidence, "measured": _share(float(found.logs.coverage[first:last].mean()))}
                 yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
 
     def _find_clearance(self) -> None:
@@ -379,16 +386,15 @@ class Feed:
             self.scene.update_state(ahead_sure=chances)
 
     def _chance(self, place: Sequence[Any]) -> tuple[float, float, float] | None:
-        """Return the probability that the string sticks at a `Place`, and between what the hole's size less bit is."""
-        lower_end, number = place[-2:]
+        """Return the probability that the string sticks at a `Place`, and the ends of this place."""
+        top, bottom, *_, lower_end, number = place
         body = self._string[number]
         found = self._clearance(lower_end, body)
         if found is None or not math.isfinite(found.low):
             return None
         deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
         chance = NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0)
-        over = body.diameter - self._shape.bit_diameter
-        return round(chance, 3), round(found.low + over, 5), round(found.high + over, 5)
+        return round(chance, 3), top, bottom
 
     def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
         """Return the clearance of a body where the string's lower end is at a depth; None: not known."""

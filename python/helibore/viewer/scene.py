@@ -188,7 +188,7 @@ class RunState:
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
     # Of the nearest tight place above and of that below: the probability that the string sticks there, and the ends of
-    # the interval that holds the hole's size less that of the bit with 95 % probability, metres; None: not known.
+    # the place, by which a page knows it; None: not known.
     ahead_sure: tuple[tuple[float, float, float] | None, ...] = ()
 
 
