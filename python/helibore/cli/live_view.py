@@ -110,12 +110,13 @@ class Window:
         self._show_images()
         self._show_channels()
         known = {} if self._newest is None else {"newest": self._newest}
+        sources = live.configuration.sources
         if ages := live.ages():
-            known["received"] = float(round(time.time() - min(ages.values())))
+            bits = [age for name, age in ages.items() if name in sources and "bit_depth" in sources[name].rig]
+            known["received"] = float(round(time.time() - min(bits or ages.values())))
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
                 known[name] = received[0]
-        sources = live.configuration.sources
         states_of = ((name, state) for name, state in states.items() if name in sources)
         lost = tuple(name for name, state in states_of if not is_connected(sources[name], state))
         text = "; ".join(f"{name}: {state}" for name, state in states.items())

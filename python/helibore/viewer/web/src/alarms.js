@@ -1,6 +1,6 @@
 // Alarms: zones that are new since the page last received them, and the alarms of the live feed. They stay until the user
-// silences them with the key A, also after a reload. Rig mode has room for two short lines; there the first A shows the full
-// texts, and the second A silences the alarms.
+// silences them with the key Q, also after a reload. Rig mode has room for two short lines; there A shows the full texts and
+// hides them, and Q silences the alarms once they are shown.
 
 import { recall, remember } from './memory.js';
 import { byId } from './dom.js';
@@ -11,10 +11,9 @@ import { byConsequence, IN_WORDS, sureText } from './zones.js';
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
 const READ = 10; // seconds for which rig mode shows the full texts, which cover its digits
-const FIRST = [/^no data/, /^tight ahead/]; // of the alarms of the feed
+const FIRST = [/^no data/, /^tight ahead/, /^tight/]; // of the alarms of the feed
 /** @param {string} alarm */
-const rank = (alarm) => (FIRST.findIndex((one) => one.test(alarm)) + 3) % 3; // that of another alarm: 2
-export const ABOUT_HOLE = /^(tight|washout)/; // alarms of the feed that are not about data
+const rank = (alarm) => (FIRST.findIndex((one) => one.test(alarm)) + 4) % 4; // that of another alarm: 3
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0].replace(/^no data (?=.)/, 'no data from ');
@@ -92,7 +91,7 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // Return the alarms of the feed that are not silenced: that nothing comes, since all else is old then; tight hole ahead; the newest.
+  // Return the alarms of the feed that are not silenced: that nothing comes, since all else is old then; tight hole ahead, other tight hole; the newest.
   said() {
     return this.feed.filter((one) => !this.silenced.includes(one)).sort((a, b) => rank(a) - rank(b));
   }
@@ -113,7 +112,7 @@ export class Alarms {
     const whole = rig && this.whole;
     byId('alarm').hidden = !texts.length;
     byId('alarmWhole').hidden = !whole;
-    byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (A)';
+    byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (Q)';
     lines('alarmText', places ? few(places(this.app, false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }

@@ -1,13 +1,14 @@
 // The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. It shows "late"
-// as long as the feed has an alarm about data, silenced or not, and "lost" as long as a source is not connected.
+// as long as the feed has an alarm that data do not come or are not kept, silenced or not, and "lost" as long as a source is not connected.
 
-import { ABOUT_HOLE, shortOf } from './alarms.js';
+import { shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const SLACK = 3; // seconds by which what a source sends may be later than usual
 const LATE = 60; // seconds without a sample
+const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
 export const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
 /** @type {Record<string, string>} */
@@ -50,9 +51,10 @@ export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() 
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
 
-// Whether numbers that the rig sends may be old: it is silent, by the page's limit or by that of its configuration.
+// Whether numbers that the rig sends may be old: it is silent, by the page's limit or, if it is late, by that of its configuration.
+// A tool is silent while the string is tripped, which makes no number of the rig old.
 /** @param {App} app */
-export const isStale = (app) => isSilent(app) || app.alarms.feed.some((one) => NO_DATA.test(one));
+export const isStale = (app) => isSilent(app) || (isLate(app) && app.alarms.feed.some((one) => NO_DATA.test(one)));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
@@ -62,7 +64,7 @@ export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
 function troubleOf({ alarms, lost }) {
   if (lost.length) return `${lost.join(', ')} not connected`;
-  const feed = alarms.feed.filter((one) => !ABOUT_HOLE.test(one));
+  const feed = alarms.feed.filter((one) => NOT_COMING.test(one));
   return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
 }
 

@@ -2,6 +2,7 @@
 // until the mode is left; the address holds the mode, so a reload keeps it.
 
 import { byId } from './dom.js';
+import { LIFTED } from './lamp.js';
 import { late } from './late.js';
 import { longest } from './view.js';
 import { byConsequence } from './zones.js';
@@ -19,21 +20,37 @@ export function worstOf(zones, [top, bottom]) {
   return byConsequence(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
-// Return the place to know first: the tight place at which the string sticks next where it moves, or on its way out, or else on the
-// other side; or else the worst of the zones of the last metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @param {number[]} [ends] @returns {FirstPlace | null} */
-export function firstPlace({ zones, ahead, aheadSure, store }, ends = recent(store)) {
-  const ways = /** @type {('up' | 'down')[]} */ (ahead?.moving === 'down' ? ['down', 'up'] : ['up', 'down']);
-  const way = ways.find((one) => ahead?.[one]);
-  const tight = way && ahead?.[way];
-  if (!tight) {
-    const zone = worstOf(zones, ends);
-    return zone && { ...zone, zone, sure: zone.confidence, low: NaN, high: NaN, way: '', sticksAt: NaN, first: '', places: 0, worst: null };
-  }
+/** @type {Way[]} */
+const WAYS = ['up', 'down'];
+
+// Return the ways that the bit may take, the one that counts most first: that in which it moves; if it hangs, the one on which the
+// string sticks sooner; on bottom, its way out.
+/** @param {App} app @returns {Way[]} */
+export function waysOf({ ahead, bit, holeDepth }) {
+  const [up, down] = WAYS.map((way) => Math.abs((bit ?? NaN) - (ahead?.[way]?.nearest[3] ?? Infinity)));
+  const isDownFirst = ahead?.moving ? ahead.moving === 'down' : (holeDepth ?? NaN) - (bit ?? NaN) > LIFTED && down < up;
+  return isDownFirst ? ['down', 'up'] : WAYS;
+}
+
+// Return the tight place at which the string sticks next on one way; null if there is none.
+/** @param {App} app @param {Way} way @returns {FirstPlace | null} */
+export function placeOn({ zones, ahead, aheadSure, store }, way) {
+  const tight = ahead?.[way];
+  if (!tight) return null;
   const [top, bottom, passes, sticksAt, first] = tight.nearest;
   const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
-  const [sure, low, high] = aheadSure[way === 'up' ? 0 : 1] ?? [NaN, NaN, NaN];
-  return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure, low, high, way, sticksAt, first, places: tight.places, worst: tight.worst };
+  const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
+  return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, way, sticksAt, first, places: tight.places, worst: tight.worst };
+}
+
+// Return the place to know first: the tight place at which the string sticks next, or else the worst of the zones of the last
+// metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+/** @param {App} app @param {number[]} [ends] @returns {FirstPlace | null} */
+export function firstPlace(app, ends = recent(app.store)) {
+  const [tight] = waysOf(app).flatMap((way) => placeOn(app, way) ?? []);
+  if (tight) return tight;
+  const zone = worstOf(app.zones, ends);
+  return zone && { ...zone, zone, sure: zone.confidence, way: '', sticksAt: NaN, first: '', places: 0, worst: null };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the worst place. If the bit has

@@ -4,15 +4,18 @@
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
-import { recent, firstPlace } from './rig.js';
+import { firstPlace, placeOn, recent, waysOf } from './rig.js';
+import { isBit, spareOf } from './string.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { byConsequence, IN_WORDS, percent, sureText } from './zones.js';
+import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const NOW = 0.05; // metres: so near is here
 const ROWS = 3; // bodies of the string that rig mode lists
+/** @type {Record<Way, string>} */
+const SIDES = { up: 'above', down: 'below' };
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -96,22 +99,39 @@ function writeWorst(app, ends) {
   const place = firstPlace(app, ends);
   const moves = place?.way && ahead?.moving === place.way;
   byId('rigWorstCell').className = !place ? '' : place.way || !place.zone || !alarms.isNew(place.zone) ? 'zone' : 'new';
-  byId('rigWhereCell').className = moves ? 'new' : '';
   if (!place) {
+    byId('rigWhereCell').className = '';
     const last = `seen in ${showSpan(ends[0], ends[1], units)}`;
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : ['none', last];
     cell('rigWorst', 'Worst place', digits, '', more);
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
-  const { start, stop, zone, sure, way, first, places, sticksAt, worst } = place;
-  const side = way === 'up' ? 'above' : 'below';
-  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${side}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
-  const [digits, unit] = parts(showSigned(place.measure, units, units === 'mm' ? 0 : 1));
-  cell('rigWorst', head, digits, `${unit}${rangeOf(place, units)}`, Number.isNaN(sure) ? `${what}, uncertainty not known` : way ? `${percent(sure)} sure that the ${what}` : `${what}, ${percent(sure)} sure`);
-  const left = bit === null ? NaN : way ? (bit - sticksAt) * (way === 'up' ? 1 : -1) : bit > stop ? bit - stop : Math.max(0, start - bit);
-  const from = way ? `${first} sticks there ${left > NOW ? 'in' : ''}` : bit !== null && bit > stop ? 'Above bit' : 'Below bit';
+  const { start, stop, measure, zone, sure, way, places, sticksAt, worst } = place;
+  const stuck = way ? stuckIn(app, start, stop) : '';
+  const first = stuck || place.first;
+  byId('rigWhereCell').className = stuck || moves ? 'new' : '';
+  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${SIDES[way]}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
+  const [digits, unit] = parts(showSigned(measure, units, units === 'mm' ? 0 : 1));
+  cell('rigWorst', head, digits, `${unit}${Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`}`, `${what}${Number.isNaN(sure) ? ', uncertainty not known' : ''}`);
+  const left = bit === null ? NaN : way ? (stuck ? 0 : (bit - sticksAt) * (way === 'up' ? 1 : -1)) : Math.max(0, bit - stop, start - bit);
+  const from = way ? `${first} sticks ${left > NOW ? 'in' : ''}` : left > NOW ? `${(bit ?? NaN) > stop ? 'Above' : 'Below'} bit` : 'Bit is in it';
   const other = worst && worst[3] !== sticksAt ? `; worst ${showSigned(worst[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(worst[0], units, 1)}` : '';
   cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + other);
+}
+
+// Whether a body of the string sticks where it hangs now, and where it touches; hole that no sensor has passed is not known.
+/** @param {App} app @param {number} i */
+function sticksNow({ string, store, ahead }, i) {
+  const { clearance = NaN, high, short = 0 } = string?.hanging?.[i] ?? {};
+  const spare = string ? spareOf({ string, store, ahead }, i) : 0; // by which it may be too thick and not count as tight
+  return !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare > 0);
+}
+
+// Return the name of the body that sticks now between two depths; '' if none does.
+/** @param {App} app @param {number} start @param {number} stop */
+function stuckIn(app, start, stop) {
+  const { hanging = [] } = app.string ?? {};
+  return hanging.find(({ depth }, i) => (depth ?? NaN) > start - NEAR && (depth ?? NaN) < stop + NEAR && sticksNow(app, i))?.name ?? '';
 }
 
 // Return the interval of a size in words, behind the number.
@@ -128,28 +148,28 @@ const distance = (metres, units) => (metres > NOW ? parts(showDepth(metres, unit
 // Write a row for each of the widest bodies, in the order in which they hang: what it clears now, and how far it moves up or
 // down until it sticks. In hole that no sensor has passed, what it cleared where it last was in measured hole.
 /** @param {App} app */
-function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: hole }) {
-  const { bodies = [], hanging = [], why = '' } = string ?? {};
+function writeBodies(app) {
+  const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
+  const { bodies = [], hanging = [] } = string ?? {};
   const shown = bodies.map((_, i) => i).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, ROWS).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @type {string[][]} */
   const rows = shown.map((i) => {
     const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
     const [least, greatest] = [low ?? NaN, high ?? NaN];
-    const isBit = bodies[i][0] >= 2 * store.bitRadius;
-    const spare = ahead ? bodies[i][0] - ahead.touching[i] : isBit ? Infinity : 0; // by which it may be too thick and not count as tight
-    const isStuck = clearance + spare < 0 && !(greatest + spare > 0);
-    const unsure = !isBit && least + greatest < ONE_IN_FOUR * (greatest - least); // a bit always touches the hole that it drilled
-    const note = Number.isNaN(clearance) ? why || 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
+    const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
+    const isStuck = sticksNow(app, i);
+    const unsure = !own && least + greatest < ONE_IN_FOUR * (greatest - least);
+    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
-      if (!ahead || (side && isBit && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
-      if (isStuck && !(short > NOW)) return 'now'; // what lies ahead is looked for less often than what hangs here
+      if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
+      if (isStuck) return 'now'; // what lies ahead is looked for less often than what hangs here
       if (at === null || at === undefined || bit === null) return 'none';
       return distance((bit - at) * (side ? -1 : 1), units).join(' ');
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
     const state = short > NOW ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return [state, name, note.trim(), showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
+    return [state, note.trim(), name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
   const text = JSON.stringify([rows, ahead?.moving]);
   const at = byId('rigBodies');
@@ -158,17 +178,13 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
   at.style.setProperty('--rows', String(rows.length));
   /** @param {string} tag @param {string} textContent @param {string} [className] */
   const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
-  const heads = ['Clearance', 'now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
-  at.replaceChildren(...heads, ...rows.flatMap(([state, name, note, ...values]) => {
-    const label = make('p', name, `${state} name`);
-    label.append(make('small', note));
-    return [label, ...values.map((one) => {
-      const [digits, unit] = parts(one);
-      const value = make('p', digits, `${state} size${'none –'.includes(one) ? ' soft' : ''}`);
-      value.append(make('small', unit && ` ${unit}`));
-      return value;
-    })];
-  }));
+  const heads = ['', 'Clearance now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
+  at.replaceChildren(...heads, ...rows.flatMap(([state, note, name, ...values]) => [make('p', name, `${state} name`), ...values.map((one, i) => {
+    const [digits, unit] = parts(one);
+    const value = make('p', digits, `${state} size${'none –'.includes(one) ? ' soft' : ''}`);
+    value.append(make('small', unit && ` ${unit}`), ...(i ? [] : [make('small', note, 'note')]));
+    return value;
+  })]));
 }
 
 // Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.
@@ -176,18 +192,24 @@ function writeBodies({ view: { units }, store, string, ahead, bit, holeDepth: ho
 /** @param {App} app @param {boolean} whole */
 export function placesOf(app, whole) {
   const { alarms, view: { units }, zones } = app;
-  const place = app.store ? firstPlace(app) : null;
+  const tight = app.store ? waysOf(app).flatMap((way) => placeOn(app, way) ?? []) : [];
+  /** @param {string} name @param {FirstPlace | Zone} of @param {number} sure */
+  const line = (name, { measure, start, stop }, sure) => `${name} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole && !Number.isNaN(sure) ? `, ${percent(sure)} sure` : ''}`;
+  /** @param {FirstPlace} of */
+  const tightLine = (of) => line(`tight ${SIDES[of.way || 'up']}`, of, of.sure);
   /** @param {Zone} zone */
-  const text = (zone) => {
-    const own = place?.way && place.zone && overlap(place.zone, zone);
-    const { start, stop, measure } = own ? place : zone;
-    return `${own ? `tight ${place.way === 'up' ? 'above' : 'below'}` : zone.kind} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole ? `, ${own && !Number.isNaN(place.sure) ? percent(place.sure) : sureText(zone)} sure` : ''}`;
+  const zoneLine = (zone) => {
+    const own = tight.find((of) => of.zone && overlap(of.zone, zone));
+    return own ? tightLine(own) : line(zone.kind, zone, zone.confidence);
   };
   const feed = alarms.said().map((alarm) => {
     const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
+    const way = rest && tight.find(({ way: one }) => one && alarm.includes(SIDES[one]));
+    if (way) return tightLine(way);
     const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
-    const zone = rest ? place?.zone : zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
-    return zone ? text(zone) : whole ? alarm : shortOf(alarm);
+    const zone = zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
+    return zone ? zoneLine(zone) : whole ? alarm : shortOf(alarm);
   });
-  return [...new Set([...feed, ...byConsequence(alarms.zones).map(text)])];
+  const fresh = byConsequence(alarms.zones).map(zoneLine);
+  return [...new Set([...feed, ...fresh.filter((one) => one.startsWith('tight')), ...fresh])];
 }

@@ -9,13 +9,22 @@ import { showDepth, showLength, showSigned } from './units.js';
 
 const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above bit'];
 
+// Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
+/** @param {RigidBody} body @param {Store} store */
+export const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
+
+// Return by how much a body may be too thick for the hole and not count as tight there.
+/** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
+export const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
+
 // Return where the string is, and what is known of it there; null if there is none.
 /** @param {App} app @returns {Hung | null} */
 export function hung({ string, view, bit, store, curves, ahead }) {
   if (!string) return null;
   const bottom = view.string ?? bit ?? Math.min(store.span[1], view.bottom);
   if (view.rig && string.hanging) { // the tightest, as rig mode judges it
-    const [least] = string.hanging.map((one, i) => ({ ...one, spare: ahead ? string.bodies[i][0] - ahead.touching[i] : 0 })).filter(({ clearance, short }) => clearance !== undefined && !short).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
+    const known = string.hanging.map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
+    const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
     const [clearance = NaN, low = NaN, high = NaN] = least ? [least.clearance, least.low, least.high].map((of) => (of ?? NaN) + least.spare) : [];
     return { ...string, bottom, clearance, low, high, tightest: least?.depth ?? NaN };
   }

@@ -117,8 +117,9 @@ interface ListedWell { name: string; address: string; length: number; head: Vect
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
 interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[] }
-type Chance = [sure: number, low: number, high: number] | null;
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; low: number; high: number; way: string; sticksAt: number; first: string; places: number; worst: TightPlace | null }
+type Chance = [sure: number, top: number, bottom: number] | null; // of the place between two depths
+type Way = 'up' | 'down';
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; sticksAt: number; first: string; places: number; worst: TightPlace | null }
 interface State {
   channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
