@@ -5,12 +5,11 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { firstPlace, placeOn, recent, waysOf } from './rig.js';
-import { isBit, spareOf } from './string.js';
+import { isBit, mayStick, spareOf } from './string.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
-const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const NOW = 0.05; // metres: so near is here
 const ROWS = 3; // bodies of the string that rig mode lists
@@ -155,11 +154,10 @@ function writeBodies(app) {
   /** @type {string[][]} */
   const rows = shown.map((i) => {
     const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
-    const [least, greatest] = [low ?? NaN, high ?? NaN];
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
     const isStuck = sticksNow(app, i);
-    const unsure = !own && least + greatest < ONE_IN_FOUR * (greatest - least);
-    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : Number.isNaN(least) ? 'uncertainty not known' : rangeOf({ low, high }, units);
+    const unsure = !own && mayStick({ low, high });
+    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : low === null ? 'uncertainty not known' : rangeOf({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';

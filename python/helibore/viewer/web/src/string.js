@@ -13,6 +13,11 @@ const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above 
 /** @param {RigidBody} body @param {Store} store */
 export const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
 
+const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
+// Whether a body sticks with a probability of one in four or more.
+/** @param {{ low?: number | null, high?: number | null }} of */
+export const mayStick = ({ low, high }) => (low ?? NaN) + (high ?? NaN) < ONE_IN_FOUR * ((high ?? NaN) - (low ?? NaN));
+
 // Return by how much a body may be too thick for the hole and not count as tight there.
 /** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
 export const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
@@ -25,7 +30,7 @@ export function hung({ string, view, bit, store, curves, ahead }) {
   if (view.rig && string.hanging) { // the tightest, as rig mode judges it
     const known = string.hanging.map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
     const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
-    const [clearance = NaN, low = NaN, high = NaN] = least ? [least.clearance, least.low, least.high].map((of) => (of ?? NaN) + least.spare) : [];
+    const [clearance = NaN, low = NaN, high = NaN] = least ? [least.clearance, mayStick(least) ? -Infinity : least.clearance, least.high].map((of) => (of ?? NaN) + least.spare) : [];
     return { ...string, bottom, clearance, low, high, tightest: least?.depth ?? NaN };
   }
   const [clearance, low, high, above] = VALUES.map((name) => {
