@@ -5,6 +5,6 @@ export { drawCurtain } from './curtain.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';
 export { paneOf, saveStage } from './stage_picture.js';
-export { placesOf, writeDigits } from './rig_digits.js';
+export { hungInRig, placesOf, writeDigits } from './rig_digits.js';
 export { drawRun } from './run_chart.js';
 export { drawWallInk } from './wall_ink.js';

@@ -5,7 +5,6 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { firstPlace, placeOn, recent, waysOf } from './rig.js';
-import { isBit, mayStick, spareOf } from './string.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
@@ -116,6 +115,29 @@ function writeWorst(app, ends) {
   const from = way ? `${first} sticks ${left > NOW ? 'in' : ''}` : left > NOW ? `${(bit ?? NaN) > stop ? 'Above' : 'Below'} bit` : 'Bit is in it';
   const other = worst && worst[3] !== sticksAt ? `; worst ${showSigned(worst[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(worst[0], units, 1)}` : '';
   cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + other);
+}
+
+// Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
+/** @param {RigidBody} body @param {Store} store */
+const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
+
+const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
+// Whether a body sticks with a probability of one in four or more.
+/** @param {{ low?: number | null, high?: number | null }} of */
+const mayStick = ({ low, high }) => (low ?? NaN) + (high ?? NaN) < ONE_IN_FOUR * ((high ?? NaN) - (low ?? NaN));
+
+// Return by how much a body may be too thick for the hole and not count as tight there.
+/** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
+const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
+
+// Return the string as it hangs, with the body that has the least room and where; a bit in hole of its size has room.
+/** @param {App} app @param {number} bottom @returns {Hung | null} */
+export function hungInRig({ string, store, ahead }, bottom) {
+  if (!string) return null;
+  const known = (string.hanging ?? []).map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
+  const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
+  const clearance = (least?.clearance ?? NaN) + (least?.spare ?? 0);
+  return { ...string, bottom, clearance, low: least && mayStick(least) ? -Infinity : clearance, high: NaN, tightest: least?.depth ?? NaN };
 }
 
 // Whether a body of the string sticks where it hangs now, and where it touches; hole that no sensor has passed is not known.

@@ -4,35 +4,19 @@
 import { curveAt } from './curves.js';
 import { BOLD, fitting, label, PALETTES, within, yOf } from './layout.js';
 import { columnScale } from './gpu.js';
+import { late } from './late.js';
 import { edges, line } from './strokes.js';
 import { showDepth, showLength, showSigned } from './units.js';
 
 const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above bit'];
 
-// Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
-/** @param {RigidBody} body @param {Store} store */
-export const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
-
-const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
-// Whether a body sticks with a probability of one in four or more.
-/** @param {{ low?: number | null, high?: number | null }} of */
-export const mayStick = ({ low, high }) => (low ?? NaN) + (high ?? NaN) < ONE_IN_FOUR * ((high ?? NaN) - (low ?? NaN));
-
-// Return by how much a body may be too thick for the hole and not count as tight there.
-/** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
-export const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
-
 // Return where the string is, and what is known of it there; null if there is none.
 /** @param {App} app @returns {Hung | null} */
-export function hung({ string, view, bit, store, curves, ahead }) {
+export function hung(app) {
+  const { string, view, bit, store, curves } = app;
   if (!string) return null;
   const bottom = view.string ?? bit ?? Math.min(store.span[1], view.bottom);
-  if (view.rig && string.hanging) { // the tightest, as rig mode judges it
-    const known = string.hanging.map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
-    const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
-    const [clearance = NaN, low = NaN, high = NaN] = least ? [least.clearance, mayStick(least) ? -Infinity : least.clearance, least.high].map((of) => (of ?? NaN) + least.spare) : [];
-    return { ...string, bottom, clearance, low, high, tightest: least?.depth ?? NaN };
-  }
+  if (view.rig && string.hanging) return late(app)?.hungInRig(app, bottom) ?? null;
   const [clearance, low, high, above] = VALUES.map((name) => {
     const held = string.why ? null : curves.need(name);
     return held ? curveAt(held, bottom) : NaN;
