@@ -13,7 +13,7 @@ Every name stands under the top of its interval, that of a casing under its shoe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from helibore.base.colors import TOP_COLOR
 from helibore.base.rocks import PATTERN, Rock, rock_of
@@ -95,7 +95,7 @@ class IntervalTrack:
                 continue
             down = stretch.y + (place - stretch.top) / along
             room = max(int(((bottom - place) / along + 0.5) // LINE), 1) if self.name else 1
-            free = self._write(sheet, x, down, one.name, room) * along + place
+            free = self._write(sheet, x, down, one.name, room, rock) * along + place
         for one, diameter in pipes:
             self._draw_pipe(axes, one, diameter, stretch, half)
         self._write_pipes(sheet, x, stretch, along)
@@ -119,16 +119,20 @@ class IntervalTrack:
         lines.set_segments(strokes)
         lines.set_clip_path(axes.axhspan(top, bottom, facecolor="none", edgecolor="none"))
 
-    def _write(self, sheet: Sheet, x: float, y: float, text: str, most: int) -> float:
-        """Write a name in at most ``most`` lines from ``y`` millimetres down; return the millimetres it takes."""
-        color = INK if self.name else TOP_COLOR
+    def _write(self, sheet: Sheet, x: float, y: float, text: str, most: int, rock: Rock | None) -> float:
+        """Write a name in at most ``most`` lines from ``y`` millimetres down, on a ground of the colour of its rock;
+        return the millimetres it takes.
+        """
+        look: dict[str, Any] = {"color": INK if self.name else TOP_COLOR}
+        if rock:
+            look["bbox"] = {"facecolor": rock.color, "edgecolor": "none", "pad": 0.9}
         if most == 1:
-            sheet.text(x + 0.8, y, text, SMALL, within=self.width - 1.6, color=color)
+            sheet.text(x + 0.8, y, text, SMALL, within=self.width - 1.6, **look)
             return 1.0
         lines = sheet.wrapped(text, LEAST, self.width - 1.6)
         lines = lines if len(lines) <= most else [*lines[: most - 1], " ".join(lines[most - 1 :])]
         for row, line in enumerate(lines):
-            sheet.text(x + 0.8, y + row * LINE, line, LEAST, within=self.width - 1.6, color=color)
+            sheet.text(x + 0.8, y + row * LINE, line, LEAST, within=self.width - 1.6, **look)
         return len(lines) * LINE - 1.0
 
     def _draw_pipe(self, axes: Axes, one: Interval, diameter: float, stretch: Stretch, half: float) -> None:

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from helibore.base.errors import InputError, check_choice
+from helibore.logs.picks import PLANES
 from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.interval_tracks import tops_across
@@ -39,6 +40,8 @@ STUB = 40.0
 """Least length of the log on the last page, millimetres."""
 LEAST_LENGTH = 1.0
 """Least length of the log on any page, millimetres."""
+UNUSED = 0.3
+"""Share of a page that stays empty at most so that no sinusoid is cut at its end."""
 BODY, LEAST_BODY, MOST_BODY = 130.0, 90.0, 215.0
 """Height of a shaded body on a sheet; on pages its least and most height, as it takes what is left; millimetres."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
@@ -148,26 +151,40 @@ def _width(content: Content) -> float:
 
 
 def _divided(content: Content, room: float) -> list[tuple[float, float]]:
-    """Return the ends of the interval's part on each page, cut at thick depth lines.
+    """Return the ends of the interval's part on each page, cut at depth lines.
 
     Tracks have ``room`` millimetres on a page; the first page also has the header.
     """
     metres = content.scale / 1000.0
-    coarse = content.lines.coarse
     parts, top, free = [], content.top, room - header_height(content)
     while (content.bottom - top) / metres > free + 1e-6:
-        cut = coarse * int((top + free * metres) / coarse + 1e-9)
+        cut = _cut(content, top, top + free * metres)
         if cut <= top:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
     if parts and content.bottom - top < STUB * metres:  # the last page takes some metres from the page before it
         top = parts.pop()[0]
-        cut = coarse * int((content.bottom - STUB * metres) / coarse + 1e-9)
+        cut = _cut(content, top, content.bottom - STUB * metres)
         if top < cut < content.bottom:
             parts.append((top, cut))
             top = cut
     return [*parts, (top, content.bottom)]
+
+
+def _cut(content: Content, top: float, lowest: float) -> float:
+    """Return where a page from ``top`` to ``lowest`` at most ends: at the deepest thick line, or else the deepest thin
+    line, that cuts no sinusoid of a plane and leaves at most `UNUSED` of the page; if there is none, at a thick line.
+    """
+    planes = [pick for pick in content.wall.picks if pick.kind in PLANES]
+    bit_diameter = content.wall.settings.bit_diameter
+    highest = lowest - UNUSED * (lowest - top)
+    for apart in (content.lines.coarse, content.lines.fine):
+        for number in range(math.floor(lowest / apart + 1e-9), math.ceil(highest / apart) - 1, -1):
+            cut = number * apart
+            if not any(pick.reaches(cut, cut, bit_diameter) for pick in planes):
+                return cut
+    return content.lines.coarse * math.floor(lowest / content.lines.coarse + 1e-9)
 
 
 def draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: float) -> float:

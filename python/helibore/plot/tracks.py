@@ -98,7 +98,7 @@ class Shown:
     def note(self) -> str:
         """The note under the colour bar: whether it is logarithmic, and how many values lie beyond its ends."""
         share = 100 * self.beyond / max(self.count, 1)
-        cut = f"{self.beyond:,} beyond the ends ({share:.2g} %)" if self.beyond else ""
+        cut = f"{self.beyond:,} beyond the ends ({share:.2g}\u00a0%)" if self.beyond else ""
         return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
 
 

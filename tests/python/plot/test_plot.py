@@ -584,6 +584,20 @@ def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
     assert MARGIN + HEAD < 60
 
 
+def test_no_page_ends_within_a_sinusoid() -> None:
+    wall = plotted_wall()
+    picks = [hb.Pick(kind="fracture", depth=2000.3 + 0.9 * i, apparent_dip=65.0, toolface=90.0) for i in range(20)]
+    bare = _divided(content_of(wall, plot.Drawing(scale=20, polar=(), body=())), 250.0)
+    wall.picks = picks
+    parts = _divided(content_of(wall, plot.Drawing(scale=20, polar=(), body=())), 250.0)
+    assert [top for top, _ in parts[1:]] == [bottom for _, bottom in parts[:-1]]
+    assert (parts[0][0], parts[-1][1]) == (bare[0][0], bare[-1][1])
+    ends = [bottom for _, bottom in parts[:-1]]
+    half = 0.5 * wall.settings.bit_diameter * math.tan(math.radians(65.0))
+    assert any(abs(bottom - pick.depth) <= half for _, bottom in bare[:-1] for pick in picks), "else this shows nothing"
+    assert not any(abs(end - pick.depth) <= half for end in ends for pick in picks)
+
+
 def test_the_last_page_is_no_stub_and_the_ends_have_their_depths(wall: hb.Wall) -> None:
     content = content_of(wall, plot.Drawing(scale=40, start=2000.3, stop=2021.7, polar=(), body=()))
     length = content.paper_length()
