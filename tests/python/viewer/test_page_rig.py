@@ -57,6 +57,10 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         screen.close()
 
 
+OVER = """[...document.querySelectorAll('#rigBodies .note')].filter((at) => {
+  const [inner, outer] = [at, at.parentElement].map((e) => e.getBoundingClientRect());
+  return inner.top < outer.top || inner.bottom > outer.bottom || inner.right > outer.right;
+}).map((at) => at.textContent)"""
 ROWS = """[...document.querySelectorAll('#rigBodies .name')].map((at) => {
   const values = [at.nextSibling, at.nextSibling.nextSibling, at.nextSibling.nextSibling.nextSibling];
   const note = values[0].querySelector('.note');
@@ -100,6 +104,10 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
             "the collar is in it"
         )
         assert screen.evaluate(CLIPPED) == []
+        screen.evaluate("window.__wall.app.view.choose({ units: 'in' })")
+        screen.until("document.querySelector('#rigBodies .note').parentElement.textContent.includes('in')")
+        assert screen.evaluate(OVER) == []
+        screen.evaluate("window.__wall.app.view.choose({ units: 'mm' })")
         scene.update_state(bit_depth=2018.4)
         screen.until("document.querySelector('#rigBodies .new')")
         assert screen.evaluate(ROWS)[2][3] == "now"
@@ -107,7 +115,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
         assert [row[4] for row in screen.evaluate(ROWS)] == ["1.5 m", "none", "–"], "on bottom"
-        screen.until(f"({ROWS})[2][1] === '2.0 m above here'")
+        screen.until(f"({ROWS})[2][1] === '2.0 m above'")
         screen.keyboard.press("a")
         screen.settle()
         covered = """['rigBit', 'rigBodies', 'rigAge'].filter((id) => {

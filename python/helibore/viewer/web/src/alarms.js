@@ -112,7 +112,7 @@ export class Alarms {
     const whole = rig && this.whole;
     byId('alarm').hidden = !texts.length;
     byId('alarmWhole').hidden = !whole;
-    byId('silence').textContent = rig && !whole ? 'Read (A)' : 'Silence (Q)';
+    byId('silence').textContent = whole ? 'Close (A), silence (Q)' : rig ? 'Read (A)' : 'Silence (Q)';
     lines('alarmText', places ? few(places(this.app, false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }

@@ -155,11 +155,12 @@ function stuckIn(app, start, stop) {
   return hanging.find(({ depth }, i) => (depth ?? NaN) > start - NEAR && (depth ?? NaN) < stop + NEAR && sticksNow(app, i))?.name ?? '';
 }
 
-// Return the interval of a size in words, behind the number.
+// Return half the interval of a size, behind the number; no less than it is.
 /** @param {{ low?: number | null, high?: number | null }} of @param {Units} units */
-function rangeOf({ low, high }, units) {
-  const [least, most] = [low ?? NaN, high ?? NaN].map((one) => showSigned(one, units, units === 'mm' ? 0 : 2).split(' ')[0]);
-  return least === '–' || most === '–' ? '' : ` (${least} to ${most})`;
+function withIn({ low, high }, units) {
+  const { scale, unit } = LENGTHS[units];
+  const step = unit === 'mm' ? 1 : 100;
+  return `±${(Math.ceil((((high ?? NaN) - (low ?? NaN)) / 2) * scale * step) / step).toFixed(unit === 'mm' ? 0 : 2)}`;
 }
 
 // Return a distance to move as digits and unit.
@@ -179,7 +180,7 @@ function writeBodies(app) {
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
     const isStuck = sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
-    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above here` : most ? 'at most' : low === null ? 'uncertainty not known' : rangeOf({ low, high }, units);
+    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above` : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
@@ -189,7 +190,7 @@ function writeBodies(app) {
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
     const state = short > NOW ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return [state, note.trim(), name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
+    return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
   const text = JSON.stringify([rows, ahead?.moving]);
   const at = byId('rigBodies');
