@@ -133,6 +133,8 @@ class Feed:
         self._logged = 0  # how often the logs were measured
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
+        limits = criteria or Criteria()
+        self.scene.update_state(limits=(limits.washout, limits.elongation))
         self.scene.summarize, self.scene.write_logs, self.scene.path = self._summarize, self._write_logs, path
         if hasattr(wall, "surface"):
             self.scene.write_mesh = self._write_mesh

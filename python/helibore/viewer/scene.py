@@ -25,6 +25,7 @@ from helibore.logs.curves import ScalarCurve
 from helibore.logs.intervals import Interval
 from helibore.logs.picks import Picks
 from helibore.logs.turn_logs import Shape
+from helibore.logs.zone_criteria import Criteria
 from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.settings.template import Template
 from helibore.trajectory.references import Reference
@@ -174,6 +175,7 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once the wall is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
+    limits: tuple[float, float] = (Criteria.washout, Criteria.elongation)  # of washouts and breakouts, metres
     zones_to: float = math.nan  # depth of the wall's end when its zones were found, metres; NaN: not yet
     shape: Shape = "wall"  # what gives the diameters from which zones follow: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set

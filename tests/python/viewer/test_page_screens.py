@@ -159,6 +159,29 @@ def test_a_tab_without_zones_says_so(browser: Any) -> None:
         screen.close()
 
 
+@pytest.mark.parametrize(
+    ("bit", "criteria", "words"),
+    [
+        (0.0958, None, "No zone: washout from 12.7 mm, breakout from 25.4 mm; zones.scaled lowers both"),
+        (0.0958, hb.Criteria.scaled(0.0958), "No zone: washout from 5.6 mm, breakout from 11.3 mm"),
+        (0.216, None, "No zone: washout from 12.7 mm, breakout from 25.4 mm"),
+    ],
+)
+def test_no_zone_names_the_limits(browser: Any, bit: float, criteria: hb.Criteria | None, words: str) -> None:
+    """So that nobody takes a slim hole for a smooth one because its lobes do not reach limits in inches."""
+    turns = np.arange(0.0, 100.0, 1 / 32)
+    caliper = hb.Caliper(2000.0 + 0.1 * turns, 360.0 * turns % 360.0, np.full(turns.size, 0.5 * bit))
+    wall = hb.reconstruct(caliper, bit_diameter=bit, sectors=16)
+    with hb.view(wall, criteria=criteria) as viewer:
+        screen = Screen(browser, viewer.url, "", (1366, 768), drawn=False)
+        screen.until("document.getElementById('zonesTitle').textContent")
+        assert screen.inner_text("#zonesTitle") == words
+        cut = "(({ scrollHeight, clientHeight }) => scrollHeight - clientHeight)(document.getElementById('%s'))"
+        assert screen.evaluate(cut % "zonesTitle") <= 0
+        assert screen.evaluate(cut % "zonesCard") <= 0
+        screen.close()
+
+
 @pytest.mark.parametrize("size", [(900, 700), (700, 600), (999, 800)])
 def test_a_low_window_gives_its_height_to_the_log(browser: Any, size: tuple[int, int]) -> None:
     image = "window.__wall.app.renderer.rects.image.height"

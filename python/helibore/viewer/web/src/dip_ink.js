@@ -1,15 +1,14 @@
-// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: the head is the
+// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D (plane_rings.js), and a tadpole: the head is the
 // symbol of its class and stands at the true dip; the tail points to where the plane dips, north up. Without a survey the dip
 // is apparent (relative to the hole), and the direction of the tail counts from the tool's zero. A breakout is two boxes on the
 // image.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
-import { planeDepth, riseOf, wallPoint } from './dips.js';
+import { planeDepth, riseOf } from './dips.js';
 import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
-import { showAngle, showDepth } from './units.js';
 
 const BAR_END = 440; // pixels from the left of the hole to the end of the colours below it
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
@@ -17,23 +16,29 @@ const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu | null} gpu */
-export function drawDips(ink, look, planes, gpu) {
+// Return the planes whose curve may be in view, each with its colour and a function that strokes a path as its line.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @returns {{ plane: Plane, colour: string, stroke: () => void }[]} */
+export function linesOf(ink, { view }, { kept, current, selected, open }) {
+  const palette = PALETTES[view.theme];
+  return (current ? [...kept, current] : kept)
+    .filter((plane) => Math.abs(plane.depth - view.middle) <= view.length / 2 + 1.5 * riseOf(plane) + 0.1) // a bent hole lengthens the curve
+    .map((plane) => {
+      const chosen = plane.pick && plane.pick === selected;
+      const colour = plane === current || chosen ? palette.cursor : palette.picks[plane.kind];
+      return { plane, colour, stroke: () => {
+        ink.setLineDash(open && plane === current ? [5, 4] : DASHES[plane.kind]);
+        outlined(ink, colour, palette, chosen ? 4 : 2);
+        ink.setLineDash([]);
+      } };
+    });
+}
+
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {boolean} straight */
+export function drawDips(ink, look, planes, straight) {
   const palette = PALETTES[look.view.theme];
-  /** @param {Plane} plane */
-  const colourOf = (plane) => (plane === planes.current || plane.pick === planes.selected ? palette.cursor : palette.picks[plane.kind]);
-  for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
-    if (Math.abs(plane.depth - look.view.middle) > look.view.length / 2 + 1.5 * riseOf(plane) + 0.1) continue; // a bent hole lengthens the curve
-    const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
-    const colour = colourOf(plane);
-    const stroke = () => {
-      ink.setLineDash(dash);
-      outlined(ink, colour, palette, plane.pick && plane.pick === planes.selected ? 4 : 2);
-      ink.setLineDash([]);
-    };
+  for (const { plane, stroke } of linesOf(ink, look, planes)) {
     for (const one of look.images) curve(ink, one, plane, stroke);
-    if (gpu && look.view.camera === 'straight') columnCurve(ink, look, plane, stroke);
-    else if (gpu) ring(ink, look, plane, colour, stroke, gpu);
+    if (straight) columnCurve(ink, look, plane, stroke);
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
@@ -153,38 +158,6 @@ function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
       ink.closePath();
       outlined(ink, colour, palette);
     }
-  });
-}
-
-// Draw a plane in 3-D: from outside a disc wider than the hole, from inside its line on the wall with its dip, so that nothing is veiled.
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {() => void} stroke @param {Gpu} gpu */
-function ring(ink, { view, path, rects, store, held }, plane, colour, stroke, gpu) {
-  const outside = view.camera === 'outside';
-  const palette = PALETTES[view.theme];
-  const points = Array.from({ length: 73 }, (_, i) => {
-    const at = { depth: planeDepth(path, plane, 5 * i), toolface: 5 * i, radius: plane.radius * (outside ? 1.25 : 1) * view.tubeFactor(store) };
-    return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
-  });
-  if (outside && points.includes(null)) return; // it leaves the section
-  within(ink, { ...rects.wall, top: HEAD, height: rects.wall.height - HEAD }, () => {
-    ink.beginPath();
-    points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
-    if (outside) {
-      ink.globalAlpha = 0.25;
-      ink.fillStyle = colour;
-      ink.fill();
-      ink.globalAlpha = 1;
-    }
-    stroke();
-    if (outside) return;
-    const angles = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
-    const lettering = { colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD, yields: true };
-    const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
-    if (!held || plane.pick !== held.pick) return deepest && label(ink, angles, ...deepest, { ...lettering, near: [[0, 18], [0, -18], [40, 0], [-40, 0]] });
-    const seen = points.filter((point) => point !== null);
-    const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
-    const left = (Math.min(...x) + Math.max(...x)) / 2;
-    return [`${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].forEach((text, i) => label(ink, text, left, Math.min(Math.max(...y) + 16, rects.wall.height - 60) + 16 * i, { ...lettering, yields: false }));
   });
 }
 

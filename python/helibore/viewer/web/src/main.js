@@ -28,12 +28,14 @@ import { bindSaving } from './saving.js';
 import { NARROW, Selection } from './selection.js';
 import { fromTemplate } from './template.js';
 import { Store } from './tiles.js';
+import { showLength } from './units.js';
 import { View } from './view.js';
 import { bySeverity } from './zones.js';
 
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const USUAL_SCALE = 200; // of paper, at first
+const LIMITS = [0.0127, 0.0254]; // of washouts and breakouts, metres
 // A name that may be broken into lines behind its underscores, as it may behind hyphens.
 /** @param {string} name */
 const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, document.createElement('wbr')]);
@@ -71,6 +73,7 @@ export class App {
   lastWrite = null;
   /** @type {Zone[]} */
   zones = [];
+  limits = LIMITS;
   /** @type {Zone[] | null} */
   zonesBefore = null; // the zones of the previous state of the same wall
   /** @type {number | null} */
@@ -210,8 +213,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo, limits });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew
@@ -323,10 +326,12 @@ export class App {
 
   // The text of the list of zones if there is no zone. It is empty where the banner of a wall without a caliper says enough.
   get noZone() {
-    const { view, newest, store: { basis } } = this;
+    const { view, newest, limits, store: { basis, bitRadius } } = this;
     if (basis !== 'azimuthal' && NARROW.matches && view.tab !== 'zones') return '';
     if (basis === 'gauge') return NARROW.matches ? 'Zones need a caliper' : '';
-    return `No zone${newest === null ? '' : ' so far'}, by the criteria`;
+    const [washout, elongation] = limits.map((limit) => showLength(limit, view.units, view.units === 'mm' ? 1 : 2));
+    const slim = bitRadius < 0.09 && limits[1] === LIMITS[1] ? '; zones.scaled lowers both' : '';
+    return `No zone${newest === null ? '' : ' so far'}: washout from ${washout}, breakout from ${elongation}${slim}`;
   }
 
   // Whether the wall still grows, or is replayed as it grew.

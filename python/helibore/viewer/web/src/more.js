@@ -4,6 +4,7 @@ export { columnRows, drawColumns, drawPipes } from './columns.js';
 export { drawCurtain } from './curtain.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';
+export { drawRings } from './plane_rings.js';
 export { paneOf, saveStage } from './stage_picture.js';
 export { hungInRig, placesOf, writeDigits } from './rig_digits.js';
 export { drawRun } from './run_chart.js';

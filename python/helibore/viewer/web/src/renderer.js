@@ -223,7 +223,7 @@ export class Renderer {
     if (look.curtain && gpu) late(app)?.drawCurtain(ink, look, look.curtain);
     this.map.draw(ink, look, picking.kept);
     const planes = picking.planes();
-    drawDips(ink, look, planes, gpu);
+    drawDips(ink, look, planes, straight);
     drawTops(ink, look);
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);
@@ -234,7 +234,10 @@ export class Renderer {
     if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
     drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
-    else if (gpu && rects.wall.width && !straight) late(app)?.drawWallInk(ink, look, gpu, calipers);
+    else if (gpu && rects.wall.width) {
+      late(app)?.drawRings(ink, look, planes, gpu);
+      late(app)?.drawWallInk(ink, look, gpu, calipers);
+    }
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
     drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);

@@ -139,7 +139,7 @@ export class Section {
     drawImageHead(ink, moved);
     drawCaliper(ink, moved);
     drawOutside(ink, moved);
-    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, null);
+    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, false);
     drawAxisLabels(ink, moved);
     ink.restore();
     edges(ink, sharp(image, -1), palette.line);

@@ -120,7 +120,7 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
   const draw = (surveyed) => {
     const made = path(0, 0, { surveyed });
     const kept = [0, 89.9].flatMap((dip) => [0, 90, 180, 270].map((toolface) => planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: dip, toolface }, 0.1)));
-    drawDips(ink, { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } }, { kept, boxes: [], current: null, selected: null, open: false }, null);
+    drawDips(ink, { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } }, { kept, boxes: [], current: null, selected: null, open: false }, false);
   };
   draw(false);
   assert.ok(Math.min(...xs) >= 100 && Math.max(...xs) <= 184, `${Math.min(...xs)} to ${Math.max(...xs)}`);
