@@ -6,8 +6,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "base/arithmetic.hpp"
@@ -36,13 +38,18 @@ constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
-// A turn is tried at each whole degree a metre up to `most_turn`, with each of these lengths along the hole; each peak
-// of the likelihood is then climbed. Arms that do not cross leave several peaks, and a false one may be the highest. So
-// the highest counts only if it is `turn_gain` nats a block above no turn, and above turns that differ by `other_turn`.
-constexpr double most_turn = 30.0, other_turn = 3.0, turned_along[] = {5.0, 20.0, 100.0}, turn_gain = 4.0;
-constexpr std::size_t turns = 61, long_along = 5;  // index of the length along the hole of the long term
-constexpr double least_share = 0.7;                // of the spacing of samples: the long term along the hole
-constexpr double enough = 0.003;                   // nats a block; a smaller gain ends the search
+// A turn is tried at each whole degree a metre up to `slow`, with each of these lengths along the hole, and, for spiral
+// holes, in longer steps up to `fast`, with a wide shape; peaks of the likelihood are then climbed. Arms that do not
+// cross leave several peaks, and a false one may be the highest: a spiral of 200 degrees a metre looks to four arms as
+// a shape of seven waves that turns by -20. So the highest counts only if it is `turn_gain` nats a block above no turn,
+// and above turns that differ by `other_turn`; a fast one also above all slow ones.
+constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, turn_gain = 4.0;
+constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
+constexpr std::size_t most_peaks = 6;               // that are climbed
+constexpr double same_depth = 0.5, same_arm = 0.7;  // metres; mean cosine
+constexpr std::size_t long_along = 5;               // index of the length along the hole of the long term
+constexpr double least_share = 0.7;                 // of the spacing of samples: the long term along the hole
+constexpr double enough = 0.003;                    // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -69,6 +76,11 @@ struct Place {
     double turn = 0.0;     // degrees a metre
 };
 
+struct Turns {
+    double from, to, step;          // degrees a metre
+    std::span<const double> along;  // lengths along the hole that are tried
+};
+
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
@@ -78,9 +90,13 @@ class Fit {
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
     Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
     Place likeliest_start(const Limits& limits);
-    Place near_turn(const Place& start, const Limits& limits);
+    Place near_turn(const Place& start, const Limits& limits, double step);
+    Place at_turn(const Parameters& at, double turn, std::span<const double> along);
+    std::vector<Place> peaks(const Parameters& at, Turns turns, const Limits& limits);
     Place with_turn(const Place& found, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
+    double row_spacing() const;
+    bool fewer_than_four_arms() const;
     void turn_by(double turn);
 
     kernel::BlockLikelihood likelihood_;
@@ -246,49 +262,110 @@ Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, 
     return now;
 }
 
-// Returns the likeliest parameters and turn near a place, by half of the blocks.
-Place Fit::near_turn(const Place& start, const Limits& limits) {
+// Returns the place with this turn, and with the likeliest of these lengths along the hole, by half of the blocks.
+Place Fit::at_turn(const Parameters& at, double turn, std::span<const double> along) {
+    turn_by(turn);
+    Place best{at, few, never, turn}, each = best;
+    for (const double length : along) {
+        each.at[long_along] = logarithm(length);
+        each.value = evaluate(each.at, few, 2, false);
+        if (each.value > best.value) best = each;
+    }
+    return best;
+}
+
+// Returns the likeliest parameters and turn near a place, by half of the blocks; the turn within twice the step. The
+// nearer the turn is, the longer is the shape along the hole.
+Place Fit::near_turn(const Place& start, const Limits& limits, double step) {
     turn_by(start.turn);
     Place now = climb(start.at, few, limits, 2, 8);
     now.turn = start.turn;
-    for (double step = 0.5; step > 0.05; step *= 0.5)
-        for (const double turn : {now.turn - step, now.turn + step}) {
-            turn_by(turn);
-            const double value = evaluate(now.at, few, 2, false);
-            if (value > now.value) now.value = value, now.turn = turn;
-        }
+    for (; step > 0.05; step *= 0.5) {
+        const double along = exponential(now.at[long_along]), lengths[] = {along, 2.0 * along};
+        const Place less = at_turn(now.at, now.turn - step, lengths), more = at_turn(now.at, now.turn + step, lengths);
+        const Place& nearer = less.value > more.value ? less : more;
+        if (nearer.value > now.value) now = nearer;
+    }
+    now.at = limits.clipped(now.at);
     now.turn = rounded(now.turn);
     return now;
+}
+
+// Returns the highest peaks of the likelihood at turns between two, climbed.
+std::vector<Place> Fit::peaks(const Parameters& at, Turns turns, const Limits& limits) {
+    std::vector<Place> tried, found;
+    for (double turn = turns.from; turn <= turns.to; turn += turns.step)
+        tried.push_back(at_turn(at, turn, turns.along));
+    for (std::size_t i = 0; i < tried.size(); ++i)
+        if ((i == 0 || tried[i - 1].value < tried[i].value) &&
+            (i + 1 == tried.size() || tried[i + 1].value <= tried[i].value))
+            found.push_back(tried[i]);
+    std::ranges::sort(found, std::greater{}, &Place::value);
+    found.resize(std::min(found.size(), most_peaks));
+    for (Place& each : found) each = near_turn(each, limits, turns.step / 2.0);
+    return found;
+}
+
+// Returns the distance of rows of samples along the hole: the least of the medians of the blocks.
+double Fit::row_spacing() const {
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<double> gaps;
+    for (std::size_t b = 0; b < blocks_; ++b) {
+        gaps.clear();
+        for (std::size_t i = b * size_ + 1; i < b * size_ + n_; ++i)
+            if (columns_[2][i] > columns_[2][i - 1]) gaps.push_back(columns_[2][i] - columns_[2][i - 1]);
+        if (gaps.empty()) continue;
+        const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+        std::ranges::nth_element(gaps, middle);
+        least = std::min(least, *middle);
+    }
+    return least;
+}
+
+// Returns whether samples near in depth lie as those of one, two or three arms. To three, an oval that turns slowly
+// looks like a circle off centre that turns the other way, twice as fast.
+bool Fit::fewer_than_four_arms() const {
+    double sums[3] = {}, pairs = 0.0;
+    for (std::size_t b = 0; b < blocks_; ++b)
+        for (std::size_t i = b * size_; i < b * size_ + n_; ++i)
+            for (std::size_t j = b * size_; j < i; ++j) {
+                if (std::abs(columns_[2][i] - columns_[2][j]) > same_depth) continue;
+                pairs += 1.0;
+                for (std::size_t q = 0; q < 3; ++q) {
+                    const double turn = wrap_toolface(static_cast<double>(q + 1) * (toolface_[i] - toolface_[j]));
+                    sums[q] += sine_cosine_of_radians(turn * (std::numbers::pi / 180.0)).cosine;
+                }
+            }
+    return std::ranges::max(sums) > same_arm * pairs;
 }
 
 // Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
 // whereto. The positions are then turned so.
 Place Fit::with_turn(const Place& found, const Limits& limits) {
-    std::array<Place, turns> tried;
-    for (std::size_t i = 0; i < turns; ++i) {
-        tried[i] = {found.at, few, never, static_cast<double>(i) - most_turn};
-        turn_by(tried[i].turn);
-        Place each = tried[i];
-        for (const double along : turned_along) {
-            each.at[long_along] = logarithm(along);
-            each.value = evaluate(each.at, few, 2, false);
-            if (each.value > tried[i].value) tried[i] = each;
-        }
+    std::vector<Place> likely = peaks(found.at, {-slow, slow, 1.0, slow_along}, limits);
+    if (likely.empty()) return found;
+    Place best = *std::ranges::max_element(likely, {}, &Place::value);
+    // Rows of arms cannot tell an oval that turns by half a turn from one row to the next from one that does not turn.
+    const double fastest = std::min(fast, 90.0 / row_spacing());
+    Parameters wide = found.at;
+    wide[long_along - 1] = logarithm(2.0 * radius_);
+    wide[noise] = std::max(wide[noise], wide[long_along - 2] + logarithm(0.02));
+    std::vector<Place> spirals = peaks(wide, {-fastest, -slow, fast_step, fast_along}, limits);
+    const std::vector<Place> others = peaks(wide, {slow, fastest, fast_step, fast_along}, limits);
+    spirals.insert(spirals.end(), others.begin(), others.end());
+    const auto spiral = std::ranges::max_element(spirals, {}, &Place::value);
+    if (spiral != spirals.end() && spiral->value > best.value + turn_gain) {
+        best = *spiral;
+        likely.insert(likely.end(), spirals.begin(), spirals.end());
     }
-    std::vector<Place> peaks;
-    for (std::size_t i = 0; i < turns; ++i)
-        if ((i == 0 || tried[i - 1].value < tried[i].value) && (i + 1 == turns || tried[i + 1].value <= tried[i].value))
-            peaks.push_back(near_turn(tried[i], limits));
-    Place best{found.at, few};
-    for (const Place& each : peaks)
-        if (each.value > best.value) best = each;
     turn_by(best.turn);
     Place turned = climb(best.at, few, limits, 1, 20);
     turned.turn = best.turn;
-    const bool alone = std::ranges::none_of(peaks, [&](const Place& each) {
+    const bool alone = std::ranges::none_of(likely, [&](const Place& each) {
         return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - turn_gain;
     });
-    if (!alone || turned.value <= found.value + turn_gain) {
+    if (!alone || (std::abs(best.turn) < 4.0 * slow && fewer_than_four_arms()) ||
+        turned.value <= found.value + turn_gain) {
         turn_by(0.0);
         return found;
     }

@@ -31,8 +31,8 @@ void require_covariance(const Settings& settings) {
     if (n < 5 || n > 12 || (n % 3 != 2 && !turns))
         throw InputError("covariance", "must have 5, 8 or 11 values, or a turn as one more", std::to_string(n));
     if (turns)
-        require(std::abs(values[n - 1]) <= 360.0, entry_name("covariance", static_cast<Index>(n) - 1), values[n - 1],
-                "must lie in -360 to 360 degrees a metre");
+        require(std::abs(values[n - 1]) <= 3600.0, entry_name("covariance", static_cast<Index>(n) - 1), values[n - 1],
+                "must lie in -3600 to 3600 degrees a metre");
     for (std::size_t i = 0; i < n - turns; ++i) {
         const bool square = i == 1 || (i >= 2 && i % 3 == 2);
         const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -197,6 +198,49 @@ def test_arms_that_leave_two_turns_possible_find_none() -> None:
     noise = np.random.default_rng(4).normal(0.0, 3e-4, depth.size)
     radius = 0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) + noise
     found = fit_covariance(in_depth_order(hb.Caliper(depth, toolface, radius)))
+    assert found is not None
+    assert found.turn == 0.0
+
+
+def arms_in(shape: Callable[[Floats, Floats], Floats], count: int, rate: float, height: float) -> hb.Caliper:
+    """One pass of arms that turn, in 20 m of a hole."""
+    depth = np.repeat(np.arange(0.0, 20.0, height), count)
+    toolface = (rate * depth + np.tile(np.arange(count) * 360.0 / count, depth.size // count) + 17.0) % 360.0
+    noise = np.random.default_rng(9).normal(0.0, 4e-4, depth.size)
+    return hb.Caliper(depth, toolface, 0.109 + shape(depth, toolface) + noise)
+
+
+@pytest.mark.parametrize(
+    ("waves", "turn", "count", "rate", "height"),
+    [
+        (1, 200.0, 4, 7.0, 0.1),
+        (1, -350.0, 6, 0.0, 0.1),
+        (2, 90.0, 5, 7.0, 0.152),
+        (2, 43.0, 6, 7.0, 0.152),
+        (1, 160.0, 3, 7.0, 0.1),
+    ],
+)
+def test_the_pitch_of_a_spiral_hole_is_found(waves: int, turn: float, count: int, rate: float, height: float) -> None:
+    def shape(depth: Floats, toolface: Floats) -> Floats:
+        return np.asarray(4e-3 * np.cos(waves * np.radians(toolface - turn * depth)))
+
+    caliper = arms_in(shape, count, rate, height)
+    found = fit_covariance(in_depth_order(caliper))
+    assert found is not None
+    assert found.turn == pytest.approx(turn, abs=0.5)
+    errors = []
+    for estimator in ("automatic", "inverse-distance"):
+        wall = hb.reconstruct(caliper, bit_diameter=0.216, estimator=estimator)
+        errors.append(np.nanstd(wall.radius - shape(wall.depth, wall.toolface)))
+    assert errors[0] < 0.5 * errors[1]
+
+
+@pytest.mark.parametrize("turn", [6.0, -17.0])
+def test_three_arms_find_no_turn(turn: float) -> None:
+    """They see an oval as a circle off centre that turns the other way, twice as fast."""
+    found = fit_covariance(
+        in_depth_order(arms_in(lambda depth, at: 4e-3 * np.cos(2.0 * np.radians(at - turn * depth)), 3, 2.0, 0.1))
+    )
     assert found is not None
     assert found.turn == 0.0
 
