@@ -82,10 +82,19 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Toolface", toolface_text(content), False),
         *([("Survey", survey_text(content), False)] if wall.path is not None else []),
         ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
+        *shifts(content),
         *measured,
         *picked_and_tops(content),
         ("Helix", f"{settings.sectors} sectors, pitch {pitch}, {summary.vertices:,} vertices", False),
     ]
+
+
+def shifts(content: Content) -> list[tuple[str, str, bool]]:
+    """Return the row on the shifts of passes in depth and toolface; none if no pass was shifted."""
+    noted = content.wall.made_from.get("preparation", ())
+    found = [text.split(";")[0].removesuffix(" found") for step, text in noted if step == "shift"]
+    moved = any("left where it is" not in text for text in found)
+    return [("Shifts", "; ".join(found).replace("+-", "±"), False)] if moved else []
 
 
 def picked_and_tops(content: Content) -> list[tuple[str, str, bool]]:

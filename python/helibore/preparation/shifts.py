@@ -204,7 +204,8 @@ class _Matching:
             if not self.functions[index].found and len(placed) > count:
                 self._match(index, placed)
         if len(placed) == 1 and not self.held.any():
-            self.functions[first[0]] = DepthFunction(reason="no other pass matches it")
+            alone = "it is the only pass" if len(self.functions) == 1 else "no other pass matches it"
+            self.functions[first[0]] = DepthFunction(reason=alone)
         return self.functions
 
     def _overlap(self, index: int, other: int) -> float:

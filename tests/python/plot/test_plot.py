@@ -30,7 +30,7 @@ from helibore.plot.hatching import HATCH, HATCH_BYTES, LINE, NO_DATA, NO_DATA_LI
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
-from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence
+from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence, shifts
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -813,3 +813,14 @@ def test_the_header_names_picks_and_tops_and_a_picture_stands_below_the_tracks()
         )  # fmt: skip
         box = axes.get_window_extent()
         assert box.width / box.height == pytest.approx(3.0, rel=1e-6)
+
+
+def test_the_header_states_by_how_much_passes_were_shifted() -> None:
+    """Every depth of the print has moved with them."""
+    wall = plotted_wall()
+    left = [["shift", "pass 1: left where it is: no other pass matches it"]]
+    found = [["shift", "pass 1: +0.300 m; the others"], ["shift", "pass 2: -0.300 +- 0.006 m found; second best"]]
+    for lines, row in ((left, []), (found, ["pass 1: +0.300 m; pass 2: -0.300 ± 0.006 m"])):
+        wall.made_from = {"preparation": lines}
+        rows = shifts(content_of(wall, plot.Drawing(polar=(), body=())))
+        assert [text for _, text, _ in rows] == row

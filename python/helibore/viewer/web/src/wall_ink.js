@@ -39,7 +39,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
-  if (!view.rig) inLines(ink, words, rect.width - 20).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
+  if (!view.rig) inLines(ink, words, rect.width - (path.surveyed ? 110 : 20)).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }
