@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import datetime
 import sys
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -198,3 +199,14 @@ def runs_of(mask: Mask) -> list[tuple[int, int]]:
     """Return (first, stop) of every run of values that are true; ``stop`` is the index after the run."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
     return [(first, last) for first, last in edges.tolist()]
+
+
+def joined(runs: Sequence[tuple[int, int]], gap: int) -> list[tuple[int, int]]:
+    """Return runs (first, stop) in order, those at most ``gap`` apart as one."""
+    found: list[tuple[int, int]] = []
+    for first, stop in runs:
+        if found and first - found[-1][1] <= gap:
+            found[-1] = found[-1][0], stop
+        else:
+            found.append((first, stop))
+    return found

@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from helibore.base.arrays import Integers, runs_of
+from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
 from helibore.base.utc_time import SECOND
 from helibore.live.live import Live
 from helibore.live.rules.configuration import AlarmLimits
-from helibore.logs.passage import passage_of
+from helibore.logs.passage import Passage, passage_of
 from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
@@ -200,7 +200,20 @@ class Ahead:
         self._counts = tuple(body.diameter for body in touching)
         stretch = self._stretch(*self._ends, length)
         each = zip(range(len(string)), string, thin, touching, strict=True)
-        self._bodies = [] if stretch is None else [_Tight(stretch, *of) for of in each]
+        self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, of[-1])) for of in each]
+
+    def _narrow(self, stretch: WallState, body: RigidBody) -> list[WallState]:
+        """Return the parts of a stretch in which a body may stick: where it is thicker than the least diameter."""
+        K, pitch = stretch.settings.sectors, abs(stretch.settings.pitch)
+        turns = np.where(np.isnan(stretch.radius), np.inf, stretch.radius).reshape(-1, K).min(axis=1)
+        reach = math.ceil(body.length / pitch) + 2  # turns beside which it may be
+        parts = []
+        for first, stop in joined(runs_of(2.0 * turns < body.diameter), 2 * reach):
+            top, bottom = sorted(
+                stretch.start_depth + stretch.settings.pitch * turn for turn in (first - reach, stop + reach)
+            )
+            parts.append(self._stretch(top, bottom, body.length))
+        return [part for part in parts if part is not None]
 
     def _look_around(self, bit: float, ahead: float, moving: str) -> Outlook:
         up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
@@ -243,40 +256,45 @@ class Ahead:
 
 
 class _Tight:
-    """Where one body of the string sticks in a stretch of a wall: by the limit, and from where it touches."""
+    """Where one body of the string sticks in parts of a wall: by the limit, and from where it touches."""
 
     def __init__(
-        self, stretch: WallState, number: int, body: RigidBody, thin: RigidBody, touching: RigidBody
+        self, number: int, body: RigidBody, thin: RigidBody, touching: RigidBody, parts: Sequence[WallState]
     ) -> None:  # fmt: skip
         self._number, self._name, self._thin = number, _name(body, number), thin
-        self._found = passage_of(stretch, [thin], upper_limit=True)
-        self._lower = self._found.depth + self._found.length / 2
-        self._touches = passage_of(stretch, [touching], upper_limit=True).clearance < 0
+        self._to_bit = body.position + body.length / 2  # metres from the middle of the body to the bit
+        thin, touching = replace(thin, position=0.0), replace(touching, position=0.0)
+        self._parts = [
+            (passage_of(part, [thin], upper_limit=True), passage_of(part, [touching], upper_limit=True).clearance < 0)
+            for part in parts
+        ]
 
     def places(self, bit: float, ahead: float, up: bool) -> list[Place]:
-        """Return the tight places within ``ahead`` on one side, from what the body meets first."""
-        found, lower, places = self._found, self._lower, []
-        for rows in self._runs(bit, ahead, up):
-            row = rows[np.argmin(found.clearance[rows])]
-            touched = found.contact_depth[rows, 0]
-            ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
-            passes = round(self._thin.diameter + float(found.clearance[row]), 4)
-            sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
-            places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number))
+        """Return the tight places within ``ahead`` on one side."""
+        places = []
+        for found, touches in self._parts:
+            lower = found.depth + self._to_bit
+            for rows in _runs(found, touches, bit - lower if up else lower - bit, ahead):
+                row = rows[np.argmin(found.clearance[rows])]
+                touched = found.contact_depth[rows, 0]
+                ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
+                passes = round(self._thin.diameter + float(found.clearance[row]), 4)
+                sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
+                places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number))
         return places
 
-    def _runs(self, bit: float, ahead: float, up: bool) -> list[Integers]:
-        """Return the rows of each tight stretch within ``ahead`` on one side, from what the body meets first."""
-        travel = bit - self._lower if up else self._lower - bit
-        order = np.argsort(travel, kind="stable")
-        order = order[(travel[order] >= -0.49 * self._found.height) & (travel[order] <= ahead)]
-        runs, end = [], 0
-        for first, stop in runs_of(self._found.clearance[order] < 0):
-            while first > end and self._touches[order[first - 1]]:
-                first -= 1
-            runs.append(order[first:stop])
-            end = stop
-        return runs
+
+def _runs(found: Passage, touches: Mask, travel: Floats, ahead: float) -> list[Integers]:
+    """Return the rows of each tight stretch within ``ahead``, from what the body meets first."""
+    order = np.argsort(travel, kind="stable")
+    order = order[(travel[order] >= -0.49 * found.height) & (travel[order] <= ahead)]
+    runs, end = [], 0
+    for first, stop in runs_of(found.clearance[order] < 0):
+        while first > end and touches[order[first - 1]]:
+            first -= 1
+        runs.append(order[first:stop])
+        end = stop
+    return runs
 
 
 def _name(body: RigidBody, number: int) -> str:

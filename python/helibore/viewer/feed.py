@@ -26,7 +26,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column, distinct, numbers, runs_of
+from helibore.base.arrays import Floats, column, distinct, joined, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -72,17 +72,6 @@ class ViewedWall(Protocol):
     def radius(self) -> Floats: ...
     def vertices(self, start: int, stop: int) -> Any: ...
     def __len__(self) -> int: ...
-
-
-def joined(runs: Sequence[tuple[int, int]], gap: int) -> list[tuple[int, int]]:
-    """Return runs (first, stop) in order, those at most ``gap`` apart as one."""
-    found: list[tuple[int, int]] = []
-    for first, stop in runs:
-        if found and first - found[-1][1] <= gap:
-            found[-1] = found[-1][0], stop
-        else:
-            found.append((first, stop))
-    return found
 
 
 class Feed:
