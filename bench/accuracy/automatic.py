@@ -3,11 +3,13 @@
     python -m bench.accuracy.automatic [--class NAME ...] [SEED]
 
 Classes of cases: rotating tools; tools with 2 to 12 arms, one to eight passes, that turn or not; telemetry; heavy
-tails; noise twice the shape; holes that change character; radii in steps of 0.1 inch. A ratio is the rms error of the
-automatic wall over that of the default or of the tuned one, within the hole but for half a metre at its ends; means are
-geometric. Intervals: the share of vertices with a sigma at which 1.96 sigma holds the truth; and the same of C1 - C2
-and of the volume of turns, whose truth is measured at every degree. The last line has costs, in processor time on one
-thread: of the fit and choice, and of a vertex with near and far neighbours over one by inverse distance.
+tails; noise twice the shape; holes that change character; radii in steps of 0.1 inch; passes of arms doubled, with the
+ratios of the errors. A ratio is the rms error of the automatic wall over that of the default or of the tuned one,
+within the hole but for half a metre at its ends; means are geometric. Expected: the errors that the choice states for
+the automatic wall over its errors where they can be known: the median, and the share within a factor of 2. Intervals:
+the share of vertices with a sigma at which 1.96 sigma holds the truth; and the same of C1 - C2 and of the volume of
+turns, whose truth is measured at every degree. The last line has costs, in processor time on one thread: of the fit and
+choice, and of a vertex with near and far neighbours over one by inverse distance.
 """
 
 from __future__ import annotations
@@ -97,9 +99,8 @@ def quantised(seed: int) -> Iterator[Case]:
         yield case._replace(caliper=hb.Caliper(of.depth, of.toolface, np.round(of.radius / STEP) * STEP))
 
 
-def arms(seed: int) -> Iterator[Case]:
-    """Yield tools with 2 to 12 arms in three holes, with some number of passes, turning or not; arms are biased."""
-    rng = np.random.default_rng([seed, 4])
+def _by_arms(rng: np.random.Generator, count: int, name: str, passes: int | None) -> Case:
+    """Return a hole measured by biased arms that turn or not; ``passes`` None: some number of them, drawn."""
 
     def oval(depth: Floats, toolface: Floats) -> Floats:
         return np.asarray(0.112 + 0.005 * np.cos(2 * np.radians(toolface - start)) + 0 * depth)
@@ -108,26 +109,47 @@ def arms(seed: int) -> Iterator[Case]:
         away = (toolface - start - turn * depth + 90.0) % 180.0 - 90.0
         return np.asarray(0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2)))
 
-    for count in (2, 3, 4, 6, 8, 12):
-        for name, shape in (("oval", oval), ("breakout", breakout), ("turning breakout", breakout)):
-            start, turn = rng.uniform(0, 360), 8.0 if name == "turning breakout" else 0.0
-            passes, rate = int(rng.choice([1, 2, 4, 8])), float(rng.choice([0.0, 3.0, 12.0]))
-            depth = np.arange(0, LENGTH, 0.05)
-            first = rng.uniform(0, 360, passes)
-            at = np.tile(depth, passes * count)
-            toolface = np.concatenate([
-                first[number] + rate * depth + arm * 360 / count for number in range(passes) for arm in range(count)
-            ])  # fmt: skip
-            bias = np.repeat(rng.normal(0, 3e-4, count), depth.size)
-            off = np.tile(bias, passes) + rng.normal(0, NOISE, at.size)
-            case = _sampled(f"{count} arms, {passes} passes, {rate:g} deg/m, {name}", shape, (at, toolface % 360), off)
-            of, arm = case.caliper, np.tile(np.repeat(np.arange(count), depth.size), passes)
-            yield case._replace(caliper=hb.Caliper(of.depth, of.toolface, of.radius, arm=arm))
+    start, turn = rng.uniform(0, 360), 8.0 if name == "turning breakout" else 0.0
+    passes, rate = passes or int(rng.choice([1, 2, 4, 8])), float(rng.choice([0.0, 3.0, 12.0]))
+    depth = np.arange(0, LENGTH, 0.05)
+    first = rng.uniform(0, 360, passes)
+    at = np.tile(depth, passes * count)
+    toolface = np.concatenate([
+        first[number] + rate * depth + arm * 360 / count for number in range(passes) for arm in range(count)
+    ])  # fmt: skip
+    bias = np.repeat(rng.normal(0, 3e-4, count), depth.size)
+    off = np.tile(bias, passes) + rng.normal(0, NOISE, at.size)
+    shape = oval if name == "oval" else breakout
+    case = _sampled(f"{count} arms, {passes} passes, {rate:g} deg/m, {name}", shape, (at, toolface % 360), off)
+    of, arm = case.caliper, np.tile(np.repeat(np.arange(count), depth.size), passes)
+    return case._replace(caliper=hb.Caliper(of.depth, of.toolface, of.radius, arm=arm))
+
+
+ARMS, SHAPES, PASSES = (2, 3, 4, 6, 8, 12), ("oval", "breakout", "turning breakout"), (1, 2, 4, 8)
+
+
+def arms(seed: int) -> Iterator[Case]:
+    """Yield tools with 2 to 12 arms in three holes, with some number of passes, turning or not; arms are biased."""
+    rng = np.random.default_rng([seed, 4])
+    yield from (_by_arms(rng, count, name, None) for count in ARMS for name in SHAPES)
+
+
+def doubled(seed: int) -> Iterator[Case]:
+    """Yield the cases of arms with 1, 2, 4 and 8 passes; more passes contain the samples of fewer."""
+    rng = np.random.default_rng([seed, 9])
+    for count in ARMS:
+        for name in SHAPES:
+            case = _by_arms(rng, count, name, PASSES[-1])
+            for passes in PASSES:
+                of, rows = case.caliper, slice(0, case.caliper.depth.size * passes // PASSES[-1])
+                part = hb.Caliper(of.depth[rows], of.toolface[rows], of.radius[rows], arm=np.asarray(of.arm)[rows])
+                yield Case(f"the first {passes} of {case.name}", case.truth, part)
 
 
 CLASSES: dict[str, tuple[Callable[[int], Iterator[Case]], bool]] = {
     "rotating": (rotating, True), "arms": (arms, False), "telemetry": (telemetry, True), "tails": (tails, True),
     "noisy": (noisy, True), "changing": (changing, False), "quantised": (quantised, False),
+    "doubled": (doubled, False),
 }  # fmt: skip
 """Makers of the cases of each class, and whether the tuned wall is measured too."""
 
@@ -136,8 +158,10 @@ class Measured(NamedTuple):
     """Ratios of the automatic wall's error, and its intervals."""
 
     name: str
+    error: float  # rms, mm
     over_default: float
     over_tuned: float
+    expected: float  # stated error over the error where a sigma is known
     holds: float  # share of the vertices with a sigma
     stated: float  # share of the vertices that have a sigma
     shape_holds: float  # share of the turns with an uncertainty of C1 - C2
@@ -168,7 +192,8 @@ def turns_hold(case: Case, logs: hb.Logs) -> tuple[float, float]:
 
 def measure(case: Case, tuned: bool) -> Measured:
     """Build the walls of a case, and compare them with the truth."""
-    found = hb.reconstruct(case.caliper, bit_diameter=BIT, threads=1, estimator="automatic")
+    choice = choose(case.caliper, hb.Settings(bit_diameter=BIT, estimator="automatic"))
+    found = hb.reconstruct(case.caliper, threads=1, **vars(choice.settings))
     inside = (found.depth > EDGE) & (found.depth < LENGTH - EDGE)
     truth = case.truth(found.depth, found.toolface)
 
@@ -184,13 +209,28 @@ def measure(case: Case, tuned: bool) -> Measured:
     known = inside & np.isfinite(sigma)
     holds = np.mean((np.abs(found.radius - truth) <= 1.96 * sigma)[known]) if known.any() else np.nan
     stated = float(known.sum() / inside.sum())
+    real = np.sqrt(np.mean((found.radius - truth)[known] ** 2)) if known.any() else np.nan
+    expected = choice.errors.get(found.settings.estimator, np.nan) / real
+    ratios, intervals = (over_default, over_tuned, float(expected)), (float(holds), stated)
     of_turns = turns_hold(case, found.logs(sigma=True))
-    return Measured(case.name, over_default, over_tuned, float(holds), stated, *of_turns, found.settings.estimator)
+    return Measured(case.name, 1e3 * error, *ratios, *intervals, *of_turns, found.settings.estimator)
+
+
+def _pairs(errors: list[float]) -> str:
+    """Return the ratios of the errors with twice as many passes; ``errors`` are those of `doubled`."""
+    of = np.array(errors).reshape(-1, len(PASSES))
+    ratios = (of[:, 1:] / of[:, :-1]).ravel()
+    return f"passes doubled: {_ratio(ratios.tolist())}; {np.sum(ratios > 1.08)} of {ratios.size} above 1.08"
 
 
 def _ratio(of: list[float]) -> str:
     known = np.array([each for each in of if np.isfinite(each)])
     return f"{np.exp(np.log(known).mean()):.3f}, {known.max():.3f}" if known.size else "-"
+
+
+def _expected(of: list[float]) -> str:
+    known = np.log2(of)[np.isfinite(of)]
+    return f"{2 ** np.median(known):.2f}, {100 * np.mean(np.abs(known) <= 1):.0f} %" if known.size else "-"
 
 
 def _shares(of: list[float]) -> str:
@@ -234,12 +274,16 @@ def main() -> None:
             print(f"{name}: " + ", ".join(f"{of:.3f}" if isinstance(of, float) else of for of in found[-1]), flush=True)
         shares = [[of.holds for of in found], [of.shape_holds for of in found], [of.volume_holds for of in found]]
         interval = " | ".join(_shares(of) for of in shares)
-        over = [_ratio([of.over_default for of in found]), _ratio([of.over_tuned for of in found])]
-        rows.append(f"| {name} | {len(found)} | {over[0]} | {over[1]} | {interval} |")
+        over = _ratio([of.over_default for of in found]), _ratio([of.over_tuned for of in found])
+        stated = _expected([of.expected for of in found])
+        if name == "doubled":
+            print(_pairs([of.error for of in found]))
+        rows.append(f"| {name} | {len(found)} | {over[0]} | {over[1]} | {stated} | {interval} |")
     print(
-        "\n| class | cases | over the default: mean, worst | over tuned | intervals, %: mean, worst | C1-C2 | volume |"
+        "\n| class | cases | over the default: mean, worst | over tuned | expected | intervals, %: mean, worst | C1-C2 "
+        "| volume |"
     )
-    print("\n".join(["| --- | --- | --- | --- | --- | --- | --- |", *rows]))
+    print("\n".join(["| --- | --- | --- | --- | --- | --- | --- | --- |", *rows]))
     print(costs(given.seed))
 
 

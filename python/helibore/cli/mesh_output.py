@@ -75,7 +75,9 @@ def gain_lines(run: Run) -> Lines:
     if choice.reason:
         return []
     chosen = choice.settings.estimator
-    text = f"inverse distance: expected error {1e3 * choice.errors['inverse-distance']:.3g} mm"
+    if not choice.errors:
+        return [("accuracy", f"with --estimator automatic {choice.sentence}")]
+    text = f"inverse distance: expected error {1e3 * choice.errors['inverse-distance']:.3g} mm{choice.where}"
     if chosen == "inverse-distance":
         return [("accuracy", f"{text}; --estimator automatic finds no better one")]
     better = f"{1e3 * choice.errors[chosen]:.3g} mm, by {LABELS[chosen]}"

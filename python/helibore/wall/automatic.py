@@ -1,19 +1,16 @@
-"""``estimator="automatic"``: the cheapest estimator whose expected error is near the best.
+"""``estimator="automatic"``: the estimator that suits the samples of a hole.
 
-A covariance is fitted to the samples (`helibore.wall.covariance`). The expected errors of inverse distance, of kriging
-with several settings, and of kriging with near and far neighbours are compared. Where a tool measures all around the
-hole, samples that are left out show the errors, whatever the hole is like: the choice is that of
-`helibore.wall.tuning`, unless near and far neighbours are certainly better. Between the arms of a tool there are no
-such samples. There the covariance gives the expected error, at random places of the wall, of any weighted mean of
-samples; the cheapest estimator within 3 % of the best is taken.
+A covariance is fitted to the samples (`helibore.wall.covariance`). Where a tool measures all around the hole, samples
+that are left out show the errors, whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near
+and far neighbours are certainly better. Between the arms of a tool, and between the samples of slow telemetry, there
+are no such samples. There near and far neighbours are taken, and the covariance gives the expected error at random
+places of the wall. Where no arm saw the wall, no error can be known (as for `Wall.sigma`); the share is stated.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -22,26 +19,20 @@ from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
-from helibore.wall.continuation import leaves_most_unmeasured
-from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, fit_covariance
-from helibore.wall.estimates import (
-    Columns,
-    choose_left_out,
-    estimate_left_out,
-    find_kriging_range,
-    in_depth_order,
-)
+from helibore.wall.continuation import spread_gaps
+from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, covariance_of, fit_covariance
+from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
 from helibore.wall.near_and_far import Place, Places, estimate_near_and_far
 from helibore.wall.tuning import errors_and_gains, tuning_with
 
-NEAR_BEST = 1.03
-"""An estimator whose expected error is at most this multiple of the best may be taken."""
-CERTAIN = 2.0
+CERTAIN = 1.0
 """Standard errors by which near and far neighbours must be better at samples that are left out."""
+MOST_OPEN = 0.2
+"""Share of the places in the turns of samples that may have no sample near their toolface, up to `MOST_BOX_DEPTH` above
+and below: of more, samples that are left out do not show the errors."""
 NEIGHBORS = 16
-"""Neighbours of kriging, and of each of the three sets of near and far neighbours."""
-_ANGULAR_SCALES, _NUGGETS = (1.0, 2.0, 4.0, 8.0), (0.003, 0.02, 0.1, 0.4, 4.0)
-_PLACES = 80
+"""Neighbours of each of the three sets of near and far neighbours."""
+_PLACES = 200
 _TUNED, _LEFT_OUT = 2000, 1000
 _LONGEST = 60.0  # metres: the greatest distance that is found
 LABELS = {
@@ -60,13 +51,17 @@ class Choice:
     settings
         The settings of the wall, which repeat it bit for bit.
     errors
-        The expected rms error of each estimator, metres, cheapest estimator first; {} if no covariance was fitted.
+        The expected rms error of each estimator that was compared, metres, cheapest estimator first; {} if none can be
+        known.
+    known
+        Share of the wall where the errors can be known; the rest lies in gaps that no arm saw.
     reason
-        Why there are no errors; "" if there are.
+        Why no covariance was fitted; "" if one was.
     """
 
     settings: Settings
     errors: dict[str, float]
+    known: float = 1.0
     reason: str = ""
 
     @property
@@ -75,8 +70,15 @@ class Choice:
         if self.reason:
             return f"inverse distance, because {self.reason}"
         chosen = self.settings.estimator
+        if not self.errors:
+            return f"{LABELS[chosen]}; its error so far from samples cannot be known"
         others = [f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen]
-        return f"{LABELS[chosen]}: expected error {1e3 * self.errors[chosen]:.3g} mm; {', '.join(others)}"
+        return f"{LABELS[chosen]}: expected error {1e3 * self.errors[chosen]:.3g} mm{self.where}; {', '.join(others)}"
+
+    @property
+    def where(self) -> str:
+        """The part of the wall where the errors can be known, in words; "" if it is the whole wall."""
+        return "" if self.known > 0.995 else f" where it can be known, on {100 * self.known:.0f} % of the wall"
 
 
 def choose(caliper: Caliper, settings: Settings) -> Choice:
@@ -87,44 +89,43 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     """
     simple = replace(settings, estimator="inverse-distance")
     if caliper.basis != "azimuthal":
-        return Choice(simple, {}, "no caliper measured around the hole")
+        return Choice(simple, {}, reason="no caliper measured around the hole")
     if settings.window is not None:
-        return Choice(simple, {}, "the settings have a window")
+        return Choice(simple, {}, reason="the settings have a window")
     samples = in_depth_order(caliper)
     if samples[0].size < FEWEST:
-        return Choice(simple, {}, f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
+        return Choice(simple, {}, reason=f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
     covariance = fit_covariance(samples)
     if covariance is None:
-        return Choice(simple, {}, "all radii are equal")
-    full = near_and_far(covariance, settings)
-    if not leaves_most_unmeasured(samples, simple):
-        with suppress(InputError):  # too few samples, or none has another one within max_distance
-            return _by_samples_left_out(samples, simple, full, covariance.noise)
-    depth = samples[0]
-    rng = np.random.default_rng(content_seed(samples))
-    places = list(
-        zip(rng.uniform(depth[0], depth[-1], _PLACES).tolist(), rng.uniform(0.0, 360.0, _PLACES).tolist(), strict=True)
-    )
-    kriged, of_kriging = _best_kriging(samples, covariance, simple, places)
-    of_full = Places(samples, covariance, NEIGHBORS, _limit(full))
-    errors = {
-        "inverse-distance": _expected(_inverse_distance(samples, covariance, simple, places)),
-        "kriging": of_kriging,
-        "near-and-far": _expected(of_full.estimates(places)[:, 1]),
-    }
-    best = min(errors.values())
-    chosen = next(name for name, error in errors.items() if error <= NEAR_BEST * best)
-    return Choice({"inverse-distance": simple, "kriging": kriged, "near-and-far": full}[chosen], errors)
+        return Choice(simple, {}, reason="all radii are equal")
+    full, seed = near_and_far(covariance, settings), content_seed(samples)
+    with suppress(InputError):  # too few samples, or none has another one within max_distance
+        rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
+        if _open_share(boxes) <= MOST_OPEN:
+            return _by_samples_left_out(samples, rows, boxes, simple, full, seed)
+    places, known = _known_places(samples, covariance, settings)
+    of_simple = _inverse_distance(samples, covariance, simple, places)
+    of_full = _root(Places(samples, covariance, NEIGHBORS, _limit(full)).estimates(places)[:, 1])
+    errors = {"inverse-distance": of_simple, "near-and-far": of_full} if np.isfinite(of_simple + of_full) else {}
+    return Choice(full, errors, known)
 
 
-def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noise: float) -> Choice:
+def _open_share(boxes: Boxes) -> float:
+    """Return the share of the boxes that reach `MOST_BOX_DEPTH`, of those at whose depth there are samples."""
+    height, width = boxes
+    beside = height[width < 180.0]
+    return float(np.mean(beside >= MOST_BOX_DEPTH)) if beside.size else 1.0
+
+
+def _by_samples_left_out(
+    samples: Columns, rows: Integers, boxes: Boxes, simple: Settings, full: Settings, seed: int
+) -> Choice:
     """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
 
     The errors are those at samples that are left out with an empty box around them, less the variance of noise.
     """
-    seed, threads = content_seed(samples), thread_count(None)
+    threads, noise = thread_count(None), covariance_of(full.covariance or ()).noise
     tuned = tuning_with(samples, simple, {}, _TUNED, threads, seed, _TUNED, may_continue=False).best.settings
-    rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
     found = [estimate_left_out(samples, rows, of, boxes, threads).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
     off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
@@ -150,77 +151,31 @@ def _limit(settings: Settings) -> float:
     return np.inf if settings.max_distance is None else settings.max_distance
 
 
-def _expected(squares: Iterator[float] | Any) -> float:
-    """Return the root mean square of expected errors; places without a sample in reach do not count."""
-    known = np.array([square for square in squares if np.isfinite(square)])
+def _root(squares: Floats) -> float:
+    """Return the root of the mean of expected squares; places without a sample in reach do not count."""
+    known = squares[np.isfinite(squares)]
     return float(np.sqrt(known.mean())) if known.size else np.inf
 
 
-def _metric(settings: Settings) -> Term:
-    return Term(1.0, 1.0 / settings.angular_scale, 1.0)
+def _known_places(samples: Columns, covariance: Covariance, settings: Settings) -> tuple[list[Place], float]:
+    """Return random places of the wall where an arm saw it, and their share of all places."""
+    spread, gaps = spread_gaps(samples, settings, covariance.gap_reach)
+    chosen = np.random.default_rng(content_seed(samples)).choice(gaps.size, min(_PLACES, gaps.size), replace=False)
+    known = chosen[gaps[chosen] <= settings.largest_gap]
+    places = zip(spread.depth(known).tolist(), spread.toolface(known).tolist(), strict=True)
+    return list(places), known.size / chosen.size
 
 
-def _inverse_distance(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
-) -> Iterator[float]:
+def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]) -> float:
+    """Return the expected error of inverse distance at places."""
+    scale = settings.angular_scale
     among = Places(samples, covariance, settings.neighbors, _limit(settings))
-    for place, rows in zip(places, among.nearest(places, _metric(settings), settings.neighbors), strict=True):
+    nearest = among.nearest(places, Term(1.0, 1.0 / scale, 1.0), settings.neighbors)
+    squares = np.full(len(places), np.nan)
+    for i, (place, rows) in enumerate(zip(places, nearest, strict=True)):
         if rows.size:
-            distance = np.maximum(_distances(among, rows, place, settings.angular_scale), 1e-9)
+            across, along = among.across(samples[1][rows], place[1]), samples[0][rows] - place[0]
+            distance = np.maximum(np.hypot(scale * across, along), 1e-9)
             weights = (distance.min() / distance) ** settings.power
-            yield among.square_error(rows, weights / weights.sum(), place)
-
-
-def _distances(among: Places, rows: Integers, place: Place, scale: float) -> Floats:
-    depth, toolface, _ = among.samples
-    return np.hypot(scale * among.across(toolface[rows], place[1]), depth[rows] - place[0])
-
-
-def _best_kriging(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
-) -> tuple[Settings, float]:
-    """Return the settings of kriging that have the least expected error, and this error."""
-    tried = []
-    for scale in _ANGULAR_SCALES:
-        each = replace(settings, estimator="kriging", neighbors=NEIGHBORS, angular_scale=scale)
-        reach = settings.kriging_range or find_kriging_range(samples, each)
-        squares = np.array(list(_kriging(samples, covariance, replace(each, kriging_range=reach), places)))
-        for nugget, of in zip(_NUGGETS, squares.T, strict=True):
-            tried.append((_expected(of), scale, nugget, reach))
-    error, scale, nugget, reach = min(tried)
-    found = replace(
-        settings, estimator="kriging", neighbors=NEIGHBORS, angular_scale=scale, nugget=nugget, kriging_range=reach
-    )
-    return found, error
-
-
-def _kriging(
-    samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]
-) -> Iterator[list[float]]:
-    """Yield for each place the expected square of the error with each of the nuggets."""
-    among = Places(samples, covariance, NEIGHBORS, _limit(settings))
-    depth, toolface, _ = samples
-    scale, half_turn = settings.angular_scale, np.pi * covariance.radius * settings.angular_scale
-    reach = min(settings.kriging_range or half_turn, half_turn)
-
-    def wendland(distance: Floats) -> Floats:
-        part = np.minimum(distance / reach, 1.0)
-        found: Floats = (1.0 - part) ** 4 * (1.0 + 4.0 * part)
-        return found
-
-    for place, rows in zip(places, among.nearest(places, _metric(settings), NEIGHBORS), strict=True):
-        if not rows.size:
-            yield [np.nan] * len(_NUGGETS)
-            continue
-        turn = np.abs(toolface[rows][:, None] - toolface[rows])
-        across = np.radians(np.minimum(turn, 360.0 - turn)) * covariance.radius * scale
-        between = wendland(np.hypot(across, depth[rows][:, None] - depth[rows]))
-        toward = wendland(_distances(among, rows, place, scale))
-        real, real_toward = among.between(rows), among.toward(rows, place)
-        errors = []
-        for nugget in _NUGGETS:
-            sides = np.stack([np.ones(rows.size), toward], axis=1)
-            one, of_place = np.linalg.solve(between + nugget * np.eye(rows.size), sides).T
-            weights = of_place + one * ((1.0 - of_place.sum()) / one.sum())
-            errors.append(max(covariance.variance + weights @ real @ weights - 2.0 * weights @ real_toward, 0.0))
-        yield errors
+            squares[i] = among.square_error(rows, weights / weights.sum(), place)
+    return _root(squares)

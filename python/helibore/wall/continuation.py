@@ -72,12 +72,16 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
 
 def leaves_most_unmeasured(samples: Columns, settings: Settings) -> bool:
     """Return whether most of each turn has no sample within ``gap_reach`` and half the ``largest_gap``."""
+    _, gaps = spread_gaps(samples, settings, settings.gap_reach)
+    return bool(np.mean(gaps > settings.largest_gap) > MOST_UNMEASURED)
+
+
+def spread_gaps(samples: Columns, settings: Settings, reach: float) -> tuple[Helix, Floats]:
+    """Return places spread over the wall, and the gap of the turn around each, of samples within ``reach`` of depth."""
     depth, toolface, _ = samples
     turns = max(_POSITIONS // settings.sectors, 1)
     spread = Helix(depth[0], 0.0, max(float(np.ptp(depth)), 1e-6) / turns, settings.sectors)
-    count = turns * settings.sectors
-    gaps = _core.angular_gaps(spread, count, depth, toolface, settings.gap_reach, thread_count(None))
-    return bool(np.mean(gaps > settings.largest_gap) > MOST_UNMEASURED)
+    return spread, _core.angular_gaps(spread, turns * settings.sectors, depth, toolface, reach, thread_count(None))
 
 
 def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[tuple[float, float, float], float]]:

@@ -30,6 +30,8 @@ from helibore.wall.estimates import Columns, spread
 FEWEST = 40
 """Number of samples that a fit needs."""
 MOST_TERMS = 3
+FARTHEST_ALIKE = 15.0
+"""Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
 _ONE_BLOCK = 300
 """So many samples are one block: their likelihood is exact, and costs less than that of small blocks."""
 _BLOCKS, _BLOCK_SIZE = 12, 64
@@ -68,6 +70,11 @@ class Covariance:
     def variance(self) -> float:
         """Variance of the radius, m^2."""
         return sum(term.variance for term in self.terms)
+
+    @property
+    def gap_reach(self) -> float:
+        """Metres along the hole: samples so far above and below a place show whether an arm saw it."""
+        return float(np.clip(max(term.along for term in self.terms), 0.5, FARTHEST_ALIKE))
 
 
 def _matern(h: Floats) -> Floats:

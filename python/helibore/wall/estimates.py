@@ -23,7 +23,7 @@ from helibore.settings.wall_settings import Settings
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5
 """Share of the turns; a tool that leaves a larger share unmeasured has few arms, or sends few samples."""
-_MOST_BOX_DEPTH = 1.0
+MOST_BOX_DEPTH = 1.0  # metres
 FEW_BOXES = 200
 """Number of boxes that is enough for an uncertainty. `tune` makes one box for each target, so that its choice hardly
 varies with the boxes."""
@@ -113,9 +113,9 @@ def empty_boxes(
     depth, toolface, _ = samples
     some = min(count, different)
     where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
-    height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
+    height, width = np.full(some, MOST_BOX_DEPTH), np.full(some, 180.0)
     half_pitch, half_sector = abs(settings.pitch) / 2, 180.0 / settings.sectors
-    reaches = (half_pitch, max(half_pitch, _MOST_BOX_DEPTH))
+    reaches = (half_pitch, max(half_pitch, MOST_BOX_DEPTH))
     starts, stops = (np.searchsorted(depth, [where + sign * reach for reach in reaches]) for sign in (-1.0, 1.0))
     for i in range(some):
         for k, reach in enumerate(reaches):  # the first reach is enough in most cases
@@ -123,7 +123,7 @@ def empty_boxes(
             along = np.abs(depth[band] - where[i])
             turn = np.abs(toolface[band] - angle[i])
             turn = np.minimum(turn, 360.0 - turn)
-            height[i] = along[turn <= half_sector].min(initial=_MOST_BOX_DEPTH)
+            height[i] = along[turn <= half_sector].min(initial=MOST_BOX_DEPTH)
             if reach == half_pitch:
                 width[i] = turn.min(initial=180.0)
             if height[i] <= reach:

@@ -36,8 +36,6 @@ errors of measured vertices are below 1.6 mm, a quarter of the smallest limit of
 (``python -m bench.accuracy.hazards vertices``).
 """
 
-FARTHEST_ALIKE = 15.0
-"""Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
 SHAPE_GAP = 30.0
 """Degrees; if the mean gap is at most this, a wall with a covariance has the shape of the hole between its arms."""
 
@@ -82,8 +80,7 @@ class WallColumns:
     @cached_property
     def along_shape(self) -> WallColumns:
         """This wall, but its `angular_gap` counts samples as far along the hole as the covariance finds radii alike."""
-        longest = max(term.along for term in covariance_of(self.settings.covariance or ()).terms)
-        reach = float(np.clip(longest, 0.5, FARTHEST_ALIKE))
+        reach = covariance_of(self.settings.covariance or ()).gap_reach
         return replace(self, settings=replace(self.settings, gap_reach=reach))
 
     @property

@@ -119,15 +119,66 @@ def test_odd_positions_have_a_value_and_a_sigma(name: str) -> None:
         assert wall.sigma.shape == wall.radius.shape
 
 
-@pytest.mark.parametrize("max_distance", [0.01, 0.001])
-def test_samples_too_far_apart_to_leave_any_out_are_judged_by_their_covariance(max_distance: float) -> None:
+@pytest.mark.parametrize(("max_distance", "known"), [(0.01, True), (0.001, False)])
+def test_samples_too_far_apart_to_leave_any_out_are_judged_by_their_covariance(
+    max_distance: float, known: bool
+) -> None:
     rng = np.random.default_rng(8)
     depth, toolface = np.sort(rng.uniform(0.0, 5.0, 3000)), rng.uniform(0.0, 360.0, 3000)
     caliper = hb.Caliper(depth, toolface, oval(depth, toolface) + rng.normal(0.0, 3e-4, 3000))
     settings = hb.Settings(bit_diameter=BIT, estimator="automatic", max_distance=max_distance)
     found = choose(caliper, settings)
-    assert found.errors
     assert found.settings.max_distance == max_distance
+    assert bool(found.errors) == known
+    assert found.settings.estimator == ("inverse-distance" if known else "near-and-far")
+    assert ("cannot be known" in found.sentence) == (not known)
+
+
+def fixed_arms(count: int, seed: int) -> tuple[hb.Caliper, Callable[[Floats, Floats], Floats]]:
+    """Samples of arms that do not turn in a breakout hole, and its true radius."""
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(0.0, 360.0)
+
+    def truth(depth: Floats, toolface: Floats) -> Floats:
+        away = (toolface - start + 90.0) % 180.0 - 90.0
+        return np.asarray(0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2.0)))
+
+    depth = np.repeat(np.arange(0.0, 20.0, 0.05), count)
+    toolface = (rng.uniform(0.0, 360.0) + np.tile(np.arange(count) * 360.0 / count, depth.size // count)) % 360.0
+    return hb.Caliper(depth, toolface, truth(depth, toolface) + rng.normal(0.0, 5e-4, depth.size)), truth
+
+
+@pytest.mark.parametrize("count", [8, 12])
+def test_errors_between_fixed_arms_are_expected_within_a_factor_of_two(count: int) -> None:
+    """No sample that is left out lies between these arms, although their gaps are below the largest one."""
+    ratios = []
+    for seed in range(4):
+        caliper, truth = fixed_arms(count, seed)
+        found = choose(caliper, hb.Settings(bit_diameter=BIT, estimator="automatic"))
+        assert found.settings.estimator == "near-and-far"
+        assert found.known == 1.0
+        made = hb.reconstruct(caliper, **vars(found.settings))
+        off = made.radius - truth(made.depth, made.toolface)
+        ratios.append(found.errors["near-and-far"] / np.sqrt(np.mean(off**2)))
+    assert 0.5 < np.median(ratios) < 2.0
+
+
+def test_fixed_arms_that_leave_most_of_the_hole_open_state_where_an_error_can_be_known() -> None:
+    settings = hb.Settings(bit_diameter=BIT, estimator="automatic")
+    two, six = (choose(fixed_arms(count, 0)[0], settings) for count in (2, 6))
+    assert (two.settings.estimator, two.errors, two.known) == ("near-and-far", {}, 0.0)
+    assert two.sentence.endswith("; its error so far from samples cannot be known")
+    assert 0.5 < six.known < 1.0
+    assert f" mm where it can be known, on {100 * six.known:.0f} % of the wall; inverse distance " in six.sentence
+
+
+def test_a_stretch_without_samples_does_not_make_a_tool_one_that_leaves_the_hole_open() -> None:
+    rng = np.random.default_rng(5)
+    depth = np.sort(rng.uniform(0.0, 3.0, 9000))
+    toolface = rng.uniform(0.0, 360.0, depth.size)
+    radius = oval(depth, toolface) + rng.normal(0.0, 2e-4, depth.size)
+    caliper = hb.Caliper(np.where(depth < 1.5, depth, depth + 30.0), toolface, radius)
+    assert "kriging" in choose(caliper, hb.Settings(bit_diameter=BIT, estimator="automatic")).errors
 
 
 def test_fewer_samples_are_left_out_where_many_lie_at_one_depth() -> None:
