@@ -62,7 +62,7 @@ function writeData(app) {
   const { view: { units }, store, bit } = app;
   const [colour, text, word] = lampWords(app);
   const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
-  const stale = colour === 'lost' || isStale(app);
+  const stale = isStale(app);
   document.body.classList.toggle('stale', stale);
   byId('rigAgeCell').className = stale ? 'new' : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
