@@ -28,9 +28,10 @@ export function drawInsideInk(ink, look, gpu) {
   let lettered = false; // on the nearest ring that is seen whole
   for (const depth of ahead) {
     const top = at(depth, path.dial(depth).up ?? 0, 0.94);
-    if (!top || top[1] < HEAD + 8) continue; // its depth would be hidden
-    ring(ink, (toolface) => at(depth, toolface), palette.paper);
-    label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 });
+    if (top && top[1] > HEAD + 8) { // else its depth would be hidden
+      ring(ink, (toolface) => at(depth, toolface), palette.paper);
+      label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 });
+    }
     lettered ||= letters(ink, look, depth, at, palette);
   }
 }
@@ -58,6 +59,6 @@ function letters(ink, { view, path, rects }, depth, at, palette) {
   const { left, width, top, height } = rects.wall;
   const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.8)) : [];
   if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: top + 12, height: height - 24 }, ...place))) return false;
-  places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true, margin: 4 }));
+  places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true }));
   return true;
 }

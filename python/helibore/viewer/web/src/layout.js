@@ -14,7 +14,7 @@ const FOOT = 20;
 const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // pixels that the hole has at least, so that its controls fit in two lines above it
-const SHARE = 0.42; // of the stage that the hole has on its path and from inside
+const SHARE = 0.42; // of the stage that the hole has on its path and from inside, until the user widens a track
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
 const LANE = 58; // pixels beside the straightened hole for the sizes of the zones, so that no size stands on the hole
 /** @param {boolean} measured @param {boolean} rig */
@@ -34,7 +34,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   /** @type {Rects} */
   const rects = {};
   let left = 4;
-  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : outside ? Math.max(PANE.path, SHARE * width) : PANE.straight)) {
+  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : outside ? Math.max(PANE.path, Object.keys(chosen).length ? 0 : SHARE * width) : PANE.straight)) {
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
