@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Mask, distinct
+from helibore.base.arrays import Floats, Integers, Mask, distinct
 from helibore.preparation.fields import FREEDOM, HARMONICS, Field, RowsOfPass, seen_by_all
 
 MOST = 2.2
@@ -44,6 +44,8 @@ _JUMP = 1e-6  # probability of a jump from one row to the next; a true step pays
 _ROWS_AT_ONCE = 256
 _SLOPES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # variance of the change of a shift's slope in 1 m of depth, 1/m
 _NEAR = 0.06  # metres from the path within which a row is asked which shift it says
+_SHORTEST, _LONGEST, _HEIGHTS = 1.5, 12.0, (0.08, 0.15)  # metres: waves about a path
+_MOST_WAVES, _PHASES = 300, 16
 _BLOCK, _LEAD = 160, 60  # rows that are smoothed at once, and rows before and after them
 STRETCH = 2.0
 """Metres in which readings err together."""
@@ -76,15 +78,14 @@ def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthP
         Metres, of a reading of the pass.
     """
     path = _path_about(np.zeros(rows.depth.size), rows, fields, noise)
-    if path.wander >= RESTLESS:
-        return _smoothed(path, rows.depth)
     known = path.known
-    if path.wander == _WANDERS[0] or known.sum() < 3:
-        return path
-    slope, level = np.polyfit(rows.depth[known], path.shift[known], 1, w=1 / path.sigma[known])
-    sloped = _path_about(slope * rows.depth + level, rows, fields, noise)
-    if sloped.wander >= path.wander:
-        return path
+    restless = path.wander >= RESTLESS
+    sloped = path
+    if path.wander > _WANDERS[0] and known.sum() >= 3:
+        slope, level = np.polyfit(rows.depth[known], path.shift[known], 1, w=1 / path.sigma[known])
+        sloped = _path_about(slope * rows.depth + level, rows, fields, noise)
+    if sloped.wander >= (RESTLESS if restless else path.wander):
+        return _smoothed(path, rows.depth) if restless else path
     return replace(sloped, sigma=np.maximum(sloped.sigma, path.sigma), known=sloped.known & known)
 
 
@@ -158,6 +159,34 @@ def with_slope(depth: Floats, mean: Floats, precision: Floats, slope: float) -> 
         shift[first : first + _BLOCK] = found[inside]
         variance[first : first + _BLOCK] = np.diagonal(inverse)[inside]
     return shift, variance, evidence
+
+
+def wave_about(path: DepthPath, depth: Floats) -> tuple[float, float, float]:
+    """Return the most that a wave about the path gains (logarithm of the likelihood), and its height and length, m.
+
+    A pass that moves may have too few readings for the evidence of a shift that wanders, not for that of one wave.
+    """
+    phases = np.arange(_PHASES)
+    row = np.flatnonzero(path.known)
+    length = float(np.ptp(depth[row]))
+    least, most = length / _LONGEST, length / _SHORTEST
+    best = (0.0, 0.0, 0.0)
+    for height in _HEIGHTS:
+        moved = path.shift[row, None] - path.base[row, None] + height * np.sin(2 * np.pi * phases / _PHASES)
+        gains = _at(path, row, moved) - _at(path, row, (path.shift - path.base)[row, None])
+        for wave in length / np.linspace(least, most, min(int(2 * (most - least)) + 1, _MOST_WAVES)):
+            phase = np.round(depth[row] / wave * _PHASES).astype(np.int64) % _PHASES
+            by_phase = np.stack([np.bincount(phase, each, _PHASES) for each in gains.T], axis=1)
+            total = max(by_phase[phases, (phases + lag) % _PHASES].sum() for lag in phases)
+            best = max(best, (float(total), height, float(wave)))
+    return best
+
+
+def _at(path: DepthPath, row: Integers, shift: Floats) -> Floats:
+    """Return the logarithm of the likelihood of shifts (r, k), less the base of the path, in r rows, (r, k)."""
+    at = np.clip(np.round((shift - GRID[0]) / STEP).astype(np.int64), 0, GRID.size - 1)
+    found: Floats = path.fits[row[:, None], at]
+    return found
 
 
 def student(off: Floats, variance: Floats) -> Floats:

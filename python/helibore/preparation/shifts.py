@@ -28,6 +28,7 @@ from helibore.preparation.depth_paths import (
     STEP,
     DepthPath,
     find_path,
+    wave_about,
 )
 from helibore.preparation.fields import Field, RowsOfPass, fit, in_rows, seen_by_all
 from helibore.preparation.toolface_matches import LEAST, ToolfaceMatch, find_toolface
@@ -45,6 +46,7 @@ _REPEATED_TO_AND_FRO = 0.55  # the same for a path that moves to and fro, which 
 _TURNS = 3  # most times that a pass is turned
 _VAGUE = 0.04  # metres: median deviation of a shift from which a pass that moves to and fro is refused
 _JUMPED = 0.45  # metres: more than a shift can change where a tool goes to and fro
+_MOVES = 10.0  # logarithm of the likelihood that one of some thousand waves gains, from which a pass may move
 _LEAST_GAIN = 4.0  # logarithm of the likelihood that the found shift must gain over a rival: odds of 50
 
 
@@ -309,6 +311,11 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
     if path.wander >= RESTLESS and sigma > _VAGUE:
         rule = f"it moves to and fro, and its shift is known to {sigma:.3f} m only (median), not to {_VAGUE:g} m"
         return replace(result, reason=f"no clear match: {rule}{best}")
+    gained, height, wave = wave_about(path, rows.depth) if path.wander < RESTLESS else (0.0, 0.0, 0.0)
+    if gained > _MOVES:
+        by = f"by {gained:.0f}, more than {_MOVES:g}"
+        moved = f"moved to and fro by {height:g} m in {wave:.1f} m it matches better ({by})"
+        return replace(result, reason=f"no clear match, since {moved}{best}")
     shift = np.interp(rows.depth, rows.depth[known], path.shift[known])
     beyond = np.abs(shift - path.shift)
     deviation = np.where(known, path.sigma, np.hypot(path.sigma, beyond))
