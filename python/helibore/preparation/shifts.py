@@ -107,7 +107,7 @@ class Shifts:
             if each.found and (each.sigma == 0).all():
                 continue
             lines.append(f"pass {number}: {_sentence(each) if each.found else f'left where it is: {each.reason}'}")
-            if each.found and each.toolface is not None and (each.toolface.is_offset or not each.toolface.clear):
+            if each.found and each.toolface is not None and each.toolface.worth_saying:
                 lines.append(f"pass {number}: {each.toolface.sentence(number)}")
             if each.found and np.mean(~each.known) > _REPORTED:
                 runs = sorted(runs_of(~each.known), key=lambda run: each.depth[run[0]] - each.depth[run[1] - 1])
@@ -268,6 +268,9 @@ class _Matching:
             path = find_path(mine.readings, theirs, mine.noise)
             match = find_toolface(mine, theirs, path)
             total = replace(match, angle=(angle + match.angle + 180.0) % 360.0 - 180.0)
+            if left < _TURNS:  # what is left after a turn that was to leave none; a half more may fit nearly as well
+                rest = (match.angle + 90.0) % 180.0 - 90.0 if match.by_half else match.angle
+                total = replace(total, sigma=float(np.hypot(match.sigma, rest)))
             if not left or not total.is_offset or abs(match.angle) < LEAST / 2:
                 break
             angle = total.angle

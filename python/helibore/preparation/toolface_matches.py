@@ -43,7 +43,7 @@ class ToolfaceMatch:
 
     angle: float  # to add to the toolfaces of the pass
     sigma: float
-    by_half: bool = False  # whether 180 degrees more fit as well
+    by_half: bool = False  # whether 180 degrees more fit nearly as well
     clear: bool = True  # whether no other angle does
 
     @property
@@ -51,14 +51,21 @@ class ToolfaceMatch:
         """Whether the pass is clearly turned against the others."""
         return self.clear and abs(self.angle) > max(SURE * self.sigma, LEAST)
 
+    @property
+    def worth_saying(self) -> bool:
+        """Whether there is an offset, or may be one that the readings cannot show."""
+        return self.is_offset or self.by_half or not self.clear
+
     def sentence(self, number: int) -> str:
-        """Return what the offset of pass ``number`` means, and the setting that mends it; or that it is not known."""
+        """Return what the offset of pass ``number`` means and the setting that mends it, or how far it is not known."""
         if not self.clear:
             return (
                 "how far its toolfaces lie from those of the others is not known: other angles fit nearly as well, or "
                 "its arms lie as those of another pass do"
             )
-        half = ", or 180 degrees more, which the readings cannot tell" if self.by_half else ""
+        half = ", or 180 degrees more, which fits nearly as well" if self.by_half else ""
+        if not self.is_offset:
+            return f"its toolfaces lie as those of the others do{half}"
         return (
             f"its toolfaces lie {-self.angle:+.1f} +- {self.sigma:.1f} degrees from those of the others{half}; "
             f"preparation.toolface_shifts={number}={self.angle:.1f}deg would mend it"
@@ -82,7 +89,7 @@ def find_toolface(own: Field, fields: Sequence[Field], path: DepthPath) -> Toolf
     opposite = apart > 180.0 - _AWAY / 2
     by_half, clear = bool((rivals & opposite).any()), not (rivals & ~opposite).any() and gains[best] > _LEAST_GAIN
     start = float(trials[best])
-    if by_half:  # of the two, the one near 0
+    if (gains[rivals & opposite] > gains[best] - _LEAD).any():  # of two alike, the one near 0
         start = (start + 90.0) % 180.0 - 90.0
     angle, sigma = start, np.inf
     together = _Together(replace(some, depth=where), own, fields)

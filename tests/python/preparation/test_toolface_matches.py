@@ -80,6 +80,26 @@ def test_diameters_leave_180_degrees_open() -> None:
     assert "or 180 degrees more" in one.toolface.sentence(1)
 
 
+@pytest.mark.parametrize("offset", [0.0, 180.0])
+def test_two_diameters_say_that_they_know_an_offset_but_for_180_degrees(offset: float) -> None:
+    found = matched((2,), offset, diameters=True, lag=10, turns=22.0)
+    said = [line for line in found.lines() if "toolface" in line]
+    assert said == [
+        "pass 1: its toolfaces lie as those of the others do, or 180 degrees more, which fits nearly as well"
+    ]
+
+
+@pytest.mark.parametrize("offset", [100.0, 180.0])
+def test_of_two_angles_that_fit_nearly_alike_the_likelier_is_taken(offset: float) -> None:
+    """A faint spiral on an oval hole tells both halves apart; beside the wrong half it would be an error."""
+    one = matched((2,), offset, spiral=0.0005, lag=10, turns=22.0).functions[1]
+    assert one.toolface is not None
+    assert one.toolface.by_half
+    assert one.toolface.is_offset
+    assert abs((one.toolface.angle - offset + 180) % 360 - 180) < 3 * one.toolface.sigma < 9
+    assert "180 degrees more" in one.toolface.sentence(1)
+
+
 @pytest.mark.parametrize("lag", [20.0, 30.0, 60.0, 70.0])
 @pytest.mark.parametrize("diameters", [False, True])
 def test_no_offset_is_reported_where_the_arms_of_both_passes_lie_alike_along_the_hole(
