@@ -31,7 +31,9 @@ from helibore.files.row_lines import read_rows_without_notes
 from helibore.files.text_layouts import text_rules
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
-ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
+ITEM = re.compile(r"^\s*(?P<name>[^.:]*?|[^\s.:]+:\d+)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
+NUMBERED = re.compile(r"^(\s*[^\s.:]+)(:\d+)(\s*\..*:)")
+"""A repeated name as helibore and lasio number it, ``P1AZ:1.DEG :``; lasio reads its colon as the end of the unit."""
 DATA = re.compile(r"A[^_]*$|LOG_DATA|.*_DATA(\[\d+\])?$")
 """Kinds of the sections of LAS 3 that hold rows: ~A and ~ASCII, ~Log_Data, ~Core_Data[1] ..."""
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
@@ -278,8 +280,10 @@ def _lasio_items(
     parser = lasio.reader.SectionParser(f"~{section.title}", version=1.2 if float(version["VERS"]) < 2 else 2.0)
     for number, line in filled:
         try:
-            parts = lasio.reader.read_header_line(line.strip(), section_name=parser.section_name2)
-            items.append(parser(**parts | {"name": parts["name"].upper()}))
+            numbered = NUMBERED.match(line) if letter == "C" else None
+            plain = NUMBERED.sub(r"\1\3", line) if numbered else line
+            parts = lasio.reader.read_header_line(plain.strip(), section_name=parser.section_name2)
+            items.append(parser(**parts | {"name": parts["name"].upper() + (numbered[2] if numbered else "")}))
         except Exception as error:  # lasio has no error class of its own: KeyError, AttributeError, IndexError ...
             rule = f"the header is damaged: {line.strip()[:40]!r} is no item of ~{section.kind}"
             if letter == "W":

@@ -330,3 +330,11 @@ def test_ten_thousand_curves_of_one_name(tmp_path: Path) -> None:
     rows = " ".join(str(number) for number in range(10_000))
     path.write_text("~V\nVERS. 2.0:\nWRAP. NO:\n~W\nNULL. -999.25:\n~C\n" + "GR.API:\n" * 10_000 + f"~A\n{rows}\n")
     assert hb.open(path).set()["GR:1235"].values.tolist() == [1234]
+
+
+def test_a_curve_numbered_in_its_name_keeps_its_unit(tmp_path: Path) -> None:
+    """So are the names of repeated curves written; lasio takes their colon for the end of the unit."""
+    path = tmp_path / "x.las"
+    path.write_text("~V\nVERS. 2.0:\nWRAP. NO:\n~W\nNULL. -999.25:\n~C\nDEPT.M:\nP1AZ:1.DEG : Pad 1\n~A\n1 20\n2 30\n")
+    curve = hb.open(path).set()["P1AZ:1"]
+    assert (curve.unit, curve.description) == ("DEG", "Pad 1")

@@ -107,6 +107,19 @@ def test_angles_of_one_file_are_checked_against_each_other(tmp_path, golden):
     assert "P1AZ magnetic north, the hole true north" in note
 
 
+def test_repeated_angles_have_their_roles_and_are_checked_too(tmp_path):
+    """helibore numbers repeated names; the first of equal angles is used."""
+    rb = np.random.default_rng(3).uniform(0, 360, ROWS)
+    horizontal, _ = angles_of(rb, 35.0, 80.0)
+    columns = {"P1AZ:1": horizontal, "P1AZ:2": (horizontal + 3) % 360, "DHAV": 35.0, "SAZIMC": 80.0}
+    (note,) = (one for one in hb.open(las(tmp_path / "a.las", columns)).readings().notes if "agree" in one)
+    assert note.startswith("P1AZ:1 and P1AZ:2, by SAZIMC: disagree by +")
+    notes = hb.open(las(tmp_path / "b.las", {"IRHS": rb} | columns)).readings().notes
+    said = [note.partition(" deg (median)")[0] for note in notes if "agree" in note]
+    assert said[0] == "IRHS and P1AZ:1, by SAZIMC: agree, to +0.00"
+    assert said[1].startswith("IRHS and P1AZ:2, by SAZIMC: disagree by +")
+
+
 def test_north_needs_its_declination(tmp_path, golden):
     rb = np.random.default_rng(5).uniform(0, 360, ROWS)
     horizontal, section = angles_of(rb, 40.0, 130.0)

@@ -4,7 +4,7 @@ import { Refusal, rules, unitOf } from './rules.js';
 import { readRows, rowsOf, unique } from './table.js';
 
 // MNEM.UNIT  VALUE : DESCRIPTION
-const ITEM = /^\s*([^.:]*?)\s*\.(\S*)(.*)$/;
+const ITEM = /^\s*([^.:]*?|[^\s.:]+:\d+)\s*\.(\S*)(.*)$/;
 
 /** @typedef {{ name: string, unit: string, value: string, description: string }} Item */
 
