@@ -6,11 +6,12 @@ wall is built from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from helibore.base import units
+from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Reals
 from helibore.base.errors import InputError
 from helibore.channels import plausibility
@@ -20,6 +21,9 @@ from helibore.files.raw_set import RawSet
 from helibore.images.sector_image import Direction, Origin, SectorImage
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Survey
+
+AZIMUTHS_AGREE = 0.05
+"""Degrees by which azimuths of a survey may differ without a remark: they are rounded."""
 
 EXAMPLES = {units.LENGTH: "in", units.ANGLE: "deg", units.TIME: "us"}
 """A unit of each kind, for errors."""
@@ -192,6 +196,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         column(log_set, turned, "columns.azimuth"),
     )
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
+    _compare_azimuths(log_set, roles, turned, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
     if rows.size < depth.size:
         _remark(log_set, f"survey: {depth.size - rows.size} of {log_set.rows} stations left out: a value is missing")
@@ -211,6 +216,22 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         return Survey(depth[rows], inclination[rows], azimuth[rows], north=north_of(log_set, roles))
     except ValueError as error:
         raise log_set.input_error(str(error)) from error
+
+
+def _compare_azimuths(log_set: RawSet, roles: RoleMap, used: Role, azimuth: Floats) -> None:
+    """Remark on each other azimuth of a survey that differs, such as one from another north."""
+    for role in roles:
+        if role.role != "none" or f"like azimuth; {used.channel} has this role" not in role.reason:
+            continue
+        other = column(log_set, replace(role, role="azimuth", unit=log_set[role.channel].unit or used.unit))
+        off = wrapped(other - azimuth + 180.0) - 180.0
+        off = off[np.isfinite(off)]
+        if off.size and np.abs(off).max() > AZIMUTHS_AGREE:
+            _remark(
+                log_set,
+                f"survey: {role.channel} differs from {used.channel} by {np.median(off):+.2f} deg (median), maybe by "
+                f"another north: {used.channel} is used, and columns.azimuth={role.channel} uses the other",
+            )
 
 
 def _remark(log_set: RawSet, remark: str) -> None:

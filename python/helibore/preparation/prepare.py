@@ -812,7 +812,12 @@ class _Pipeline:
                 rule = "all passes in use are earlier ones: no pass is left to make the wall from"
                 raise InputError(f"{self.names}: earlier {_named(settings.earlier)}", rule)
             self.samples = self._of_passes(everything, chosen)
-            self.report.append(("compared", f"{_named(chosen)} beside earlier {_named(settings.earlier)}"))
+            compared = f"{_named(chosen)} beside earlier {_named(settings.earlier)}"
+            ends = [(float(of.min()), float(of.max())) for of in (self.samples.depth, earlier.depth)]
+            if max(top for top, _ in ends) > min(bottom for _, bottom in ends):
+                mine, theirs = (f"{top:.1f} to {bottom:.1f} m" for top, bottom in ends)
+                compared += f", which they do not overlap ({mine}, and {theirs}): no place has a difference"
+            self.report.append(("compared", compared))
         if settings.latest:
             number, depth = self.samples.pass_number, self.samples.depth
             self._drop(choose(number, depth, chosen, latest=True))

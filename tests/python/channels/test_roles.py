@@ -325,6 +325,18 @@ def test_a_survey_of_one_station_names_the_file() -> None:
         one.survey()
 
 
+def test_a_survey_of_two_norths_says_which_azimuth_counts_and_by_how_much_the_other_differs() -> None:
+    angles = [channel("INC", "deg", [30.0, 31.0, 32.0]), channel("AZIM_MAG", "deg", [358.0, 359.0, 0.5])]
+    one = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), *angles, channel("AZIM_TRUE", "deg", [1.0, 2.0, 3.5]))
+    assert one.survey().north == "magnetic"
+    rule = "AZIM_MAG is used, and columns.azimuth=AZIM_TRUE uses the other"
+    said = f"survey: AZIM_TRUE differs from AZIM_MAG by +3.00 deg (median), maybe by another north: {rule}"
+    assert said in one.remarks
+    same = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), *angles, channel("AZIM_TRUE", "deg", [358.0, 359.0, 0.5]))
+    same.survey()
+    assert not same.remarks
+
+
 def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
     one = log_set(DEPTH, TURN, radius(0.2159))
     confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}})

@@ -269,6 +269,12 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     rest = prepare(one.readings(), Preparation(earlier=(1,)))
     assert len(rest.caliper) == (number > 1).sum()
     assert ("compared", "passes 2, 3 beside earlier pass 1") in rest.report
+    (apart,) = (said for step, said in prepare(one.readings(), Preparation(earlier=(1,), shifts=((1, 1000.0),))).report
+                if step == "compared")  # fmt: skip
+    top, bottom = rest.caliper.depth.min(), rest.caliper.depth.max()
+    ends = f"{top:.1f} to {bottom:.1f} m, and {compared.earlier.depth.min() + 1000:.1f} to "
+    assert apart.startswith(f"passes 2, 3 beside earlier pass 1, which they do not overlap ({ends}")
+    assert apart.endswith(" m): no place has a difference")
     whole = prepare(one.readings(), Preparation(earlier=(1,), passes=(1, 2, 3)))  # as without passes
     assert whole.caliper.radius.tobytes() == rest.caliper.radius.tobytes()
     last = prepare(one.readings(), Preparation(earlier=(1,), passes=(1, 3, 2), latest=True)).pass_number
