@@ -15,7 +15,7 @@ _SPELLED = """
     usft usfeet deg degree degrees ° dega rad radian radians grad gon cps
     s sec second seconds ms us min minute h hr hour hours day days
     g/cc g/cm3 g/c3 kg/m3 gapi api ohm.m ohmm pu v/v % unitless b/e rpm c/min m/h m/hr ft/h ft/hr
-    psi kpa mpa bar pa degc degf klbf kn kkgf us/ft us/m mv v hz
+    psi kpa mpa bar pa degc degf db klbf kn kkgf us/ft us/m mv v hz
 """
 SPELLINGS = frozenset(_SPELLED.split())
 AMBIGUOUS = frozenset({"min", "v", "h", "pa", "grad", "second", "minute", "hour", "day", "days", "seconds", "hz"})

@@ -16,6 +16,7 @@ from helibore.channels.log_set import LogSet
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import ROLES, guess
 from helibore.channels.sectors import join_sectors
+from helibore.files.headings import unit_in_name
 from helibore.files.raw_set import Channel, SectorAxis
 
 
@@ -468,3 +469,7 @@ def test_ranges_are_short(value: float, text: str) -> None:
     from helibore.cli.inspect_page import short
 
     assert short(value) == text
+
+
+def test_an_amplitude_in_decibels_has_its_unit() -> None:
+    assert [unit_in_name(name) for name in ("AMP12_dB", "AMP [dB]", "AMP")] == ["dB", "dB", ""]

@@ -537,11 +537,11 @@ def test_what_a_colour_scale_cuts_off_is_counted() -> None:
     low, high = np.percentile(there, [2, 98])
     beyond = int(((there < low) | (there > high)).sum())
     assert beyond == 7
-    assert f"{beyond} beyond the ends ({100 * beyond / 199:.2g} %)" in words
+    assert f"{beyond} beyond the ends ({100 * beyond / 199:.2g}\u00a0%)" in words
     look = plot.Look(limits=(10.0, 1000.0), log=True)
     figure = plot.log(wall_with(depth, values), looks={"X": look}, dpi=40, body=())
     below = int((there < 10).sum())
-    assert f"logarithmic, {below} beyond the ends ({100 * below / 199:.2g} %)" in [
+    assert f"logarithmic, {below} beyond the ends ({100 * below / 199:.2g}\u00a0%)" in [
         text.get_text() for text in texts(figure)
     ]
     assert_readable(figure)
@@ -549,7 +549,7 @@ def test_what_a_colour_scale_cuts_off_is_counted() -> None:
     assert not [text for text in texts(whole) if "beyond" in text.get_text()]
     values[5] = values[5] + np.array([0.0, 0.0, 60.0, 0.0])
     sliding = plot.log(wall_with(depth, values), looks={"X": plot.Look(window=2.0)}, dpi=40, body=())
-    assert [text for text in texts(sliding) if text.get_text().startswith("1 beyond the ends (0.5 %)")]
+    assert [text for text in texts(sliding) if text.get_text().startswith("1 beyond the ends (0.5\u00a0%)")]
 
 
 def test_an_image_without_a_unit_says_so() -> None:
