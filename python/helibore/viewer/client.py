@@ -34,10 +34,11 @@ class Client:
         self.unacknowledged: dict[int, int] = {}
         self.mark(FRAMES_LEVEL, 0, len(scene.frames.centre))
 
-    def mark(self, level: int, start: int, stop: int) -> None:
+    def mark(self, level: int, start: int, stop: int, measured: bool = True) -> None:
         """Note that vertices of the wall, cells of the overview or frames [start, stop) changed.
 
         Vertices of the wall are noted only if the page holds a tile that shows them; cells and frames are always noted.
+        If nothing was ``measured``, but it became known how sure the vertices are, the page is not told that data came.
         """
         if stop <= start:
             return
@@ -46,6 +47,8 @@ class Client:
         else:
             for tile in self.scene.levels[level].tiles(start, stop):
                 if level == 1 or self._holds(tile):
+                    if not measured and (level, tile) not in self.pending:
+                        self.requested.add((level, tile))
                     self._mark_tile((level, tile), start, stop)
 
     def subscribe(self, wanted: Subscription) -> None:

@@ -266,7 +266,7 @@ class Scene:
     def __init__(self) -> None:
         self.lock = threading.RLock()
         self.on_change: Callable[[], None] = lambda: None
-        self.listeners: list[Callable[[int, int, int], None]] = []
+        self.listeners: list[Callable[[int, int, int, bool], None]] = []
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
         self.read_channels: Callable[[], list[ShownChannel]] = list
         self.draw_pages: Callable[..., bytes] | None = None
@@ -352,7 +352,7 @@ class Scene:
                 return
             state[changed] = (state[changed] & ~np.uint16(TRUST)) | marks[changed]
             for part in np.split(changed, np.flatnonzero(np.diff(changed // level.tile_size)) + 1):
-                self._notify(0, int(part[0]), int(part[-1]) + 1)
+                self._notify(0, int(part[0]), int(part[-1]) + 1, measured=False)
             over = self.levels[1]
             self._notify(1, *refresh_overview(over, level, int(changed[0]), int(changed[-1]) + 1))
         self.on_change()
@@ -430,9 +430,9 @@ class Scene:
         now[:, STATE] |= was[:, STATE] & RESCANNED
         now[:, STATE] |= np.where(changed, RESCANNED, 0).astype(np.uint16)
 
-    def _notify(self, level: int, start: int, stop: int) -> None:
+    def _notify(self, level: int, start: int, stop: int, measured: bool = True) -> None:
         for listener in self.listeners:
-            listener(level, start, stop)
+            listener(level, start, stop, measured)
 
 
 def _replace(target: Array, values: Array, word: npt.DTypeLike) -> Mask:

@@ -370,9 +370,9 @@ class _Connection:
         self.sent_curves: Any = ()
         self.sent_at = -math.inf  # time on the clock of the loop
 
-    def mark(self, level: int, start: int, stop: int) -> None:
+    def mark(self, level: int, start: int, stop: int, measured: bool) -> None:
         if self.client is not None and self.client.session == self.scene.session:
-            self.client.mark(level, start, stop)
+            self.client.mark(level, start, stop, measured)
 
     async def send_all(self) -> None:
         """Send what is pending, nearest first: requested tiles at once, other changes at most once every `TICK`."""

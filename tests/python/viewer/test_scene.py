@@ -358,6 +358,7 @@ def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> No
     scene.set_trust(marks)
     sent = [message for message in page.drain() if message.level == 0]
     assert [(message.first, message.count) for message in sent] == [(3 * K, 28 * K + 1)]
+    assert not any(message.live for message in sent), "no data came"
     wall, over = scene.levels
     np.testing.assert_array_equal((wall.texels[: wall.size, STATE] & INTERPOLATED) > 0, marks)
     rings = (over.texels[: over.size, STATE] & INTERPOLATED > 0).reshape(4, -1)
@@ -367,6 +368,7 @@ def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> No
     assert page.drain() == []
     scene.write(4 * K, Vertices(np.full(K, 0.11)), {})
     assert (wall.texels[4 * K : 5 * K, STATE] & INTERPOLATED).all(), "a new radius keeps the mark"
+    assert [message.live for message in page.drain() if message.level == 0] == [True]
 
 
 def test_the_uncertainty_of_a_radius_is_a_level_that_keeps_still_while_it_hardly_changes() -> None:
