@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import struct
 import urllib.request
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -192,6 +194,17 @@ class TestPage:
         texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
         assert set(HEADS) <= set(texts)
         assert "Bed 1" in texts
+        screen.close()
+
+    @pytest.mark.parametrize("mode", ["scene", "section"])
+    def test_a_slide_of_the_wells_leaves_the_page_as_it_was(self, browser: Any, wells: Any, mode: str) -> None:
+        screen = Screen(browser, wells[0].url, f"#mode={mode}", drawn=False)
+        with screen.page.expect_download() as download:
+            screen.click("#slide")
+        assert download.value.suggested_filename == f"wells-{mode}.slide.png"
+        wide, high = struct.unpack(">II", Path(download.value.path()).read_bytes()[16:24])
+        assert [wide, high] == [3840, 2160]
+        assert screen.evaluate("stage.clientWidth + document.querySelector('aside').offsetWidth") == 1000
         screen.close()
 
     def test_a_wells_page_opens(self, browser: Any, wells: Any) -> None:

@@ -6,13 +6,12 @@ import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
 import { BOLD, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
 import { drawNet } from './net.js';
+import { BAND, SLIDE } from './slide.js';
 import { recorder, svgFile } from './svg.js';
 import { showAngle, showDepth, showSpan } from './units.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
-const BAND = 26; // pixels above the picture, for its words
-const SLIDE = { width: 960, height: 540 }; // pixels: on a slide of 13.33 by 7.5 inches one pixel is one point
 const ROW = 17; // pixels of a pick in the list below
 const NET = { width: 330, height: 190 }; // stereonet and rose, at the right
 

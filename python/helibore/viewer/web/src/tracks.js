@@ -50,7 +50,7 @@ export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // met
 // is drawn first, are left out.
 /** @param {Ink} ink @param {Look} look */
 export function drawAxisLabels(ink, look) {
-  const { view, path, rects, zones } = look;
+  const { view, path, rects, store, zones } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   if (view.rig) nameZones(ink, look);
@@ -70,7 +70,7 @@ export function drawAxisLabels(ink, look) {
     const high = y < rect.top + 12; // no room above the tick
     const alone = view.rig && !path.trueDepth; // at its tick
     label(ink, depthNumber(value, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
-    const other = view.bent ? depth : path.tvd(depth);
+    const other = !view.bent ? path.tvd(depth) : depth >= store.span[0] && depth <= store.span[1] ? depth : NaN;
     if (Number.isNaN(other) || high || y > rect.top + rect.height - 14) continue;
     label(ink, depthNumber(other, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
   }

@@ -17,6 +17,7 @@ import { BOLD, FONT, PALETTES } from './layout.js';
 import { niceStep } from './lod.js';
 import { applyTheme } from './panel.js';
 import { save } from './saving.js';
+import { BAND, SLIDE } from './slide.js';
 import { recorder, svgFile } from './svg.js';
 import { numbers, View } from './view.js';
 import { Well } from './well.js';
@@ -27,7 +28,6 @@ const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
 const MOVING = 250; // milliseconds until a picture that has moved is drawn in full
 const WIDE = 3840; // pixels of a saved picture
-const BAND = 26; // pixels above a saved picture, for its words
 const BAR = 24; // pixels below the picture, for its colours
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const SHOWN = /** @type {const} */ (['fence', 'discs', 'planes', 'box']);
@@ -272,7 +272,7 @@ export class Wells {
     on('units', 'change', ({ value }) => view.choose({ units: /** @type {Units} */ (value) }));
     on('theme', 'click', () => view.toggleTheme());
     on('fit', 'click', () => this.fit());
-    for (const ending of /** @type {const} */ (['png', 'svg'])) on(ending, 'click', () => this.savePicture(ending));
+    for (const kind of /** @type {const} */ (['png', 'svg', 'slide'])) on(kind, 'click', () => this.savePicture(kind));
     for (const id of SHOWN) on(id, 'change', ({ checked }) => (this.shown[id] = checked));
     new ResizeObserver(this.redraw).observe(byId('stage'));
     const ink = byId('ink');
@@ -327,11 +327,12 @@ export class Wells {
     write('readout', found ? this.section.rows(found.well, found.depth) : []);
   }
 
-  // Save the picture under a line with the names of the wells.
-  /** @param {'png' | 'svg'} ending */
-  savePicture(ending) {
-    const vector = ending === 'svg';
+  // Save the picture under a line with the names of the wells; a slide is drawn in fewer pixels, so that its texts are larger.
+  /** @param {'png' | 'svg' | 'slide'} kind */
+  savePicture(kind) {
+    const vector = kind === 'svg';
     const inks = byId('ink');
+    if (kind === 'slide') Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
     const [width, height] = [inks.clientWidth, inks.clientHeight + BAND];
     const ratio = Math.max(vector ? 2 : Math.min(4, WIDE / width), pixelRatio(inks));
     const canvas = Object.assign(document.createElement('canvas'), { width: width * ratio, height: height * ratio });
@@ -355,9 +356,10 @@ export class Wells {
     ink.drawImage(this.gpu.canvas, 0, BAND, width, height - BAND);
     if (!vector) ink.drawImage(inks, 0, BAND, width, height - BAND);
     sharpen(0);
+    byId('stage').removeAttribute('style');
     this.redraw();
     /** @param {Blob | null} blob */
-    const keep = (blob) => blob && save(blob, `wells-${this.mode}.${ending}`);
+    const keep = (blob) => blob && save(blob, `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`);
     if (vector) keep(svgFile(width, height, [...parts, `<g transform="translate(0 ${BAND})">`, ...strokes, '</g>']));
     else canvas.toBlob(keep);
   }
