@@ -72,7 +72,7 @@ class CentrePath:
         moved: Complexes = (self.moving[window] + self.change[window] * away) * np.exp(1j * self.rate[window] * away)
         return moved
 
-    def at(self, position: Floats, significance: float = 2.5) -> tuple[Complexes, Mask, Mask]:
+    def at(self, position: Floats, significance: float = 3.0) -> tuple[Complexes, Mask, Mask]:
         """Return the centre to correct at each position, (n,), and whether its resting and moving parts are known."""
         left, part = self._between(position)
         total = np.zeros(position.size, dtype=np.complex128)

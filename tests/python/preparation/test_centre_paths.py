@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.accuracy import centres as known
 from helibore.preparation.centre_paths import find_centre_path
 
 BIT, SAMPLES, TURNS = 0.216, 32, 72
@@ -119,3 +120,15 @@ def test_the_path_turns_with_the_toolface():
     first = find_centre_path(toolface, radius, position, BIT).at(position)[0]
     turned = find_centre_path((toolface + 100) % 360, radius, position, BIT).at(position)[0]
     np.testing.assert_allclose(turned * np.exp(-1j * np.radians(100)), first, atol=3e-4)
+
+
+def test_wear_on_one_side_alone_moves_no_sample():
+    """150 degrees of wear leave a circle whose centre is 0.9 mm off; that is within three of its deviations."""
+    wall = known.walls(12001)["shallow"]
+    position, toolface, radius, _ = known.measured(wall, 0.0, 0.0, 12001)
+    path = find_centre_path(toolface, radius, position, known.BIT)
+    assert np.abs(path.rest).max() > 1e-3
+    away, rests, _ = path.at(position)
+    assert rests.all()
+    assert np.sqrt(np.mean(np.square(np.abs(away)))) < 1e-4
+    assert np.sqrt(np.mean(np.square(np.abs(path.at(position, 2.5)[0])))) > 2e-4
