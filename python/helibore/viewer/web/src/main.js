@@ -28,14 +28,14 @@ import { bindSaving } from './saving.js';
 import { NARROW, Selection } from './selection.js';
 import { fromTemplate } from './template.js';
 import { Store } from './tiles.js';
-import { showLength } from './units.js';
+import { LENGTHS, showLength } from './units.js';
 import { View } from './view.js';
 import { bySeverity } from './zones.js';
 
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const USUAL_SCALE = 200; // of paper, at first
-const LIMITS = [0.0127, 0.0254]; // of washouts and breakouts, metres
+const LIMITS = [0.5, 1].map((inches) => inches / LENGTHS.in.scale); // of washouts and breakouts, metres, by default
 // A name that may be broken into lines behind its underscores, as it may behind hyphens.
 /** @param {string} name */
 const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, document.createElement('wbr')]);
@@ -330,7 +330,7 @@ export class App {
     if (basis !== 'azimuthal' && NARROW.matches && view.tab !== 'zones') return '';
     if (basis === 'gauge') return NARROW.matches ? 'Zones need a caliper' : '';
     const [washout, elongation] = limits.map((limit) => showLength(limit, view.units, view.units === 'mm' ? 1 : 2));
-    const slim = bitRadius < 0.09 && limits[1] === LIMITS[1] ? '; zones.scaled lowers both' : '';
+    const slim = bitRadius < 0.09 && limits[1] > 0.99 * LIMITS[1] ? '; zones.scaled lowers both' : '';
     return `No zone${newest === null ? '' : ' so far'}: washout from ${washout}, breakout from ${elongation}${slim}`;
   }
 
