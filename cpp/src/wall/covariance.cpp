@@ -41,9 +41,10 @@ constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 // A turn is tried at each whole degree a metre up to `slow`, with each of these lengths along the hole, and, for spiral
 // holes, in longer steps up to `fast`, with a wide shape; peaks of the likelihood are then climbed. Arms that do not
 // cross leave several peaks, and a false one may be the highest: a spiral of 200 degrees a metre looks to four arms as
-// a shape of seven waves that turns by -20. So the highest counts only if it is `turn_gain` nats a block above no turn,
-// and above turns that differ by `other_turn`; a fast one also above all slow ones.
-constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, turn_gain = 4.0;
+// a shape of seven waves that turns by -20. So the highest counts only if it is `small_gain` nats a block above no
+// turn, and above turns that differ by `other_turn`; a fast one also above all slow ones. In one block of all samples,
+// where chance may gain as much, it must be `great_gain`.
+constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, small_gain = 2.5, great_gain = 10.0;
 constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
 constexpr std::size_t most_peaks = 6;               // that are climbed
 constexpr double same_depth = 0.5, same_arm = 0.7;  // metres; mean cosine
@@ -342,19 +343,25 @@ bool Fit::fewer_than_four_arms() const {
 // Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
 // whereto. The positions are then turned so.
 Place Fit::with_turn(const Place& found, const Limits& limits) {
-    std::vector<Place> likely = peaks(found.at, {-slow, slow, 1.0, slow_along}, limits);
+    Parameters wide = found.at;
+    wide[long_along - 1] = logarithm(2.0 * radius_);
+    wide[noise] = std::max(wide[noise], wide[long_along - 2] + logarithm(0.02));
+    const auto both = [&](const Parameters& one, Turns turns, const Parameters& other, Turns others) {
+        std::vector<Place> found_peaks = peaks(one, turns, limits);
+        for (const Place& each : peaks(other, others, limits)) found_peaks.push_back(each);
+        return found_peaks;
+    };
+    const Turns slowly{-slow, slow, 1.0, slow_along};
+    std::vector<Place> likely = both(found.at, slowly, wide, slowly);
     if (likely.empty()) return found;
     Place best = *std::ranges::max_element(likely, {}, &Place::value);
     // Rows of arms cannot tell an oval that turns by half a turn from one row to the next from one that does not turn.
     const double fastest = std::min(fast, 90.0 / row_spacing());
-    Parameters wide = found.at;
-    wide[long_along - 1] = logarithm(2.0 * radius_);
-    wide[noise] = std::max(wide[noise], wide[long_along - 2] + logarithm(0.02));
-    std::vector<Place> spirals = peaks(wide, {-fastest, -slow, fast_step, fast_along}, limits);
-    const std::vector<Place> others = peaks(wide, {slow, fastest, fast_step, fast_along}, limits);
-    spirals.insert(spirals.end(), others.begin(), others.end());
+    const std::vector<Place> spirals =
+        both(wide, {-fastest, -slow, fast_step, fast_along}, wide, {slow, fastest, fast_step, fast_along});
+    const double gain = blocks_ > 1 ? small_gain : great_gain;
     const auto spiral = std::ranges::max_element(spirals, {}, &Place::value);
-    if (spiral != spirals.end() && spiral->value > best.value + turn_gain) {
+    if (spiral != spirals.end() && spiral->value > best.value + gain) {
         best = *spiral;
         likely.insert(likely.end(), spirals.begin(), spirals.end());
     }
@@ -362,10 +369,9 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
     Place turned = climb(best.at, few, limits, 1, 20);
     turned.turn = best.turn;
     const bool alone = std::ranges::none_of(likely, [&](const Place& each) {
-        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - turn_gain;
+        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - gain;
     });
-    if (!alone || (std::abs(best.turn) < 4.0 * slow && fewer_than_four_arms()) ||
-        turned.value <= found.value + turn_gain) {
+    if (!alone || (std::abs(best.turn) < 4.0 * slow && fewer_than_four_arms()) || turned.value <= found.value + gain) {
         turn_by(0.0);
         return found;
     }
