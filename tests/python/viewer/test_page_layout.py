@@ -115,7 +115,7 @@ def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
         whole = [row[0] for row in rows]
         assert whole == [row[1] for row in rows]
         assert sum(whole) >= least
-        assert screen.inner_text("#zonesMore") == f"{len(rows) - sum(whole)} more {where}"
+        assert screen.inner_text("#zonesMore") == f"{len(rows) - sum(whole)} {where}"
         assert [current for *_, current in rows] == [False] * (len(rows) - 1) + [key == "p"]
     assert whole[-1], "a jump shows the row of its zone"
     screen.close()

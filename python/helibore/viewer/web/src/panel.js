@@ -287,7 +287,7 @@ function bringIntoView({ offsetTop, offsetHeight }, list) {
 function countHidden() {
   const { scrollTop, scrollHeight, clientHeight, lastElementChild } = byId('zones');
   const [above, below] = [scrollTop, scrollHeight - clientHeight - scrollTop].map((pixels) => Math.round(pixels / (/** @type {HTMLElement | null} */ (lastElementChild)?.offsetHeight || 1)));
-  const text = below > 0 ? `${below} more below` : above > 0 ? `${above} more above` : '';
+  const text = below > 0 ? `${below} below` : above > 0 ? `${above} above` : '';
   say('zonesMore', text);
 }
 
