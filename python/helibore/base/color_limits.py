@@ -14,8 +14,6 @@ from helibore.base.units import MILLIMETRE
 
 PERCENTILES = (2.0, 98.0)
 """The usual percentiles at the ends of a static scale."""
-LEAST_OVER = 5.0
-"""Millimetres: the least limit of a scale of radii less that of the bit."""
 NEARLY_ALL = 99.8
 """The colours of a wall end at this percentile of the distances of its radii from half the bit size."""
 
@@ -68,14 +66,6 @@ def symmetric_limit(values: Floats, unit: float) -> float:
     return unit * power * next(step for step in (1, 2, 3, 5, 10) if step * power >= reach * (1 - 1e-9))
 
 
-def over_bit_limit(over: Floats, millimetre: float = MILLIMETRE) -> float:
-    """Return the limit of a scale of radii less that of the bit: that of all of them, and no less than `LEAST_OVER`.
-
-    So a hole of bit size is pale, whatever noise it has; ``millimetre`` is one in the unit of the radii.
-    """
-    return max(symmetric_limit(over, millimetre), LEAST_OVER * millimetre)
-
-
 def usual_scale(
     values: npt.ArrayLike,
     name: str,
@@ -106,5 +96,5 @@ def over_bit(
     Without ``limits``, the scale is centred on 0.
     """
     over = (radius - 0.5 * bit_diameter) / unit
-    limit = over_bit_limit(over, MILLIMETRE / unit)
+    limit = symmetric_limit(over, MILLIMETRE / unit)
     return over, ColorScale(*(limits or (-limit, limit)), color_map or "over-bit")

@@ -26,10 +26,11 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
-from helibore.base.color_limits import over_bit_limit
+from helibore.base.color_limits import symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.identity import Access, find_token
 from helibore.base.tables import refuse_table
+from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of
@@ -403,7 +404,7 @@ def of_other(
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = over_bit_limit(over)  # the same limit, hence the same colours, for all walls
+    limit = symmetric_limit(over, MILLIMETRE)  # the same limit, hence the same colours, for all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     radius = other.at(own.depth, own.toolface).radius
     values: dict[Attribute, npt.ArrayLike] = {attribute: radius - 0.5 * other.settings.bit_diameter}

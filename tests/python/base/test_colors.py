@@ -12,7 +12,6 @@ from golden_texts import Golden
 from locations import WEB
 from patience import PATIENCE
 
-from helibore.base.color_limits import over_bit
 from helibore.base.colors import COLOR_MAPS, MISSING, ColorScale, color_table, colors_of, customary_map
 
 # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
@@ -158,13 +157,3 @@ def test_negative_resistivity_has_no_colour_on_a_log_scale() -> None:
         ColorScale(1, 10, log=True).colors(values)
     with pytest.raises(ValueError, match=text):
         colors_of(values, log=True)
-
-
-def test_the_noise_of_a_hole_of_bit_size_is_pale() -> None:
-    """Its colours end 5 mm from the bit, whatever the noise; a washed-out hole has its own ends."""
-    radius = np.random.default_rng(2).normal(0.1083, 0.0003, 2000)
-    for unit, limit in ((1e-3, 5.0), (0.0254, 5 / 25.4)):
-        _, scale = over_bit(radius, 0.216, unit=unit)
-        assert (scale.low, scale.high) == pytest.approx((-limit, limit))
-    _, scale = over_bit(radius + np.linspace(0, 0.018, 2000), 0.216)
-    assert scale.high == pytest.approx(20)

@@ -366,7 +366,7 @@ def test_the_straightened_hole_stands_off_the_page_and_trouble_keeps_its_colour(
 ) -> None:
     wall = MadeWall(20_000)
     wall.radius[:] = BIT / 2
-    wall.radius[wall.depth > 1015] += 0.005
+    wall.radius[wall.depth > 1015] += 0.003
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, f"#md=1010&sec=20&theme={theme}", (1366, 700))
         screen.settle()

@@ -15,7 +15,6 @@ const UNCERTAINTY = 12; // the first bit of its level
 const [LEAST_UNCERTAINTY, MOST_UNCERTAIN, NORMAL_95] = [0.00025, 15, 1.96]; // metres, level, standard deviations
 const FEW_TURNS = 50;
 const USUAL_LIMIT = 0.02; // metres
-const LEAST_OVER = 0.005; // metres
 
 /**
  * @typedef {{ radius: Float64Array, nearest: Float64Array, support: Float64Array, marks: Uint8Array }} Vertices marks: 1 measured, 2 sampled only, 0 neither
@@ -195,7 +194,7 @@ export function sceneOf(shape, vertices, frames = straight) {
   const wall = { sectors, rows, texels: packed(vertices, unit), size };
   const over = overviewOf(wall);
   const off = symmetricLimit(vertices.radius.map((radius) => radius - bit / 2), 1e-3);
-  const limit = Math.max(off, LEAST_OVER, size < FEW_TURNS * sectors ? USUAL_LIMIT : 0);
+  const limit = Math.max(off, size < FEW_TURNS * sectors ? USUAL_LIMIT : 0);
   const hello = {
     type: 'handshake', version: 2, session: randomKey(), well: shape.well, basis: shape.basis, basis_text: shape.basisText, reference: shape.reference, assumed: false,
     bit_diameter: bit, start_depth: startDepth, start_toolface: shape.startToolface, vertices: size, radius_unit: unit, nearest_unit: NEAREST_UNIT,
