@@ -89,7 +89,8 @@ test('an alarm that lasts, silenced or not, and a source that is not connected t
   });
   const refused = 'refused mwd: no sample was usable for 120 s: 40 no value';
   assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'refused mwd · 1 s old · 8.0 m behind bit · 1 silenced', 'refused mwd']);
-  assert.equal(words({ alarms: { feed: [refused, 'depth jump mwd: 5 m'], silenced: [] } })[2], 'refused mwd +1 more');
+  assert.equal(words({ alarms: { feed: [refused, 'no data rig: nothing'], silenced: [] } })[2], 'refused mwd +1 more');
+  assert.equal(words({ alarms: { feed: ['depth step rig: 5 m', 'high rig: WOB'], silenced: [] } })[0], 'live', 'data come');
   assert.deepEqual(words({ lost: ['rig'] }), ['lost', 'rig not connected · 1 s old · 8.0 m behind bit', 'rig not connected']);
   assert.equal(words({ lost: ['rig'], ended: true })[0], '', 'a run that has ended needs no source');
 });
