@@ -7,7 +7,8 @@ The string is that of the configuration or, without one, a body as wide as the b
 its bodies is rigid and straight, and between them it bends with the hole, as collars do: a rigid string of 30 m would
 stick in any hole that builds a degree. So each body has the clearance of `Wall.passage` in the straightened hole, in
 the part of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight,
-whatever lies between the samples, also where a telemetry tool measured only a few places of each turn.
+whatever lies between the samples, also where a telemetry tool measured only a few places of each turn. What is not
+said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from helibore.base.utc_time import SECOND
 from helibore.live.live import Live
 from helibore.live.rules.configuration import AlarmLimits
 from helibore.logs.passage import Passage, passage_of
+from helibore.logs.turn_logs import LEAST_SAMPLED
+from helibore.logs.zone_criteria import Criteria
 from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
@@ -37,6 +40,8 @@ MOVES_ON = 0.05
 """Metres that it moves on at least."""
 MORE = 15.0
 """Metres of hole on both sides that are solved beforehand while the string is tripped, and last while the wall does."""
+LEAST_GAP = 0.25
+"""Metres of hole that must not be sampled on end, so that it counts as not seen."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
 """Solving takes at most one part in so many of a processor's time, for a tripped bit and for another."""
 
@@ -113,6 +118,9 @@ class Outlook:
         "up" or "down", if the bit is tripped; "" if it is on bottom, hangs or has not moved yet.
     touching
         For each body, the diameter with which it counts where it touches, metres.
+    unseen
+        For each body, the first hole that it would enter up, and down, of which no sensor has seen enough: its ends,
+        metres; None: all hole was seen up to where it sticks, or as far as is looked.
     """
 
     up: TightAhead | None
@@ -120,6 +128,7 @@ class Outlook:
     bodies: tuple[tuple[float | None, float | None], ...]
     moving: str
     touching: tuple[float, ...]
+    unseen: tuple[tuple[tuple[float, float] | None, ...], ...] = ()
 
 
 class Ahead:
@@ -136,6 +145,7 @@ class Ahead:
         self._string: tuple[RigidBody, ...] = ()
         self._counts: tuple[float, ...] = ()
         self._bodies: list[_Tight] = []
+        self._seen: list[tuple[float, float]] = []  # ends of the hole that is sampled, from above
         self.outlook: Outlook | None = None
 
     @property
@@ -149,7 +159,7 @@ class Ahead:
         """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet."""
         model, limits = self._live.model, self._live.configuration.alarms
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
-        if not bit or limits.tight is None or not limits.ahead:
+        if not bit or not limits.ahead or (limits.tight is None and not model.configuration.string):
             self._from, self._moves, self.outlook = math.nan, False, None
             return None
         self._on_bottom = model.rig.on_bottom
@@ -167,7 +177,7 @@ class Ahead:
             self._solve(bit[0], limits)
             self._due = time.monotonic() + (SHARE if self._moves else SHARE_AT_REST) * (time.thread_time() - began)
         self.outlook = self._look_around(bit[0], limits.ahead, moving)
-        return self.found if self._moves else None
+        return self.found if self._moves and limits.tight is not None else None
 
     def _follow(self, bit: float) -> None:
         """Find out in which direction the bit has moved by MOVED."""
@@ -182,7 +192,8 @@ class Ahead:
     def _solve(self, bit: float, limits: AlarmLimits) -> None:
         """Find where each body sticks in the hole around the bit, unless that is known of this wall."""
         configuration, wall = self._live.model.configuration, self._live.wall
-        size, ahead, tight = configuration.wall["bit_diameter"], limits.ahead or 0.0, limits.tight or 0.0
+        size, ahead = configuration.wall["bit_diameter"], limits.ahead or 0.0
+        tight = Criteria.undergauge if limits.tight is None else limits.tight
         string = configuration.string or (RigidBody(size, limits.body, name="bit"),)
         length = max(body.position + body.length for body in string)
         top, bottom = bit - ahead - length, bit + ahead
@@ -200,6 +211,7 @@ class Ahead:
         self._counts = tuple(body.diameter for body in touching)
         stretch = self._stretch(*self._ends, length)
         each = zip(range(len(string)), string, thin, touching, strict=True)
+        self._seen = [] if stretch is None else _seen(stretch)
         self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, of[-1])) for of in each]
 
     def _narrow(self, stretch: WallState, body: RigidBody) -> list[WallState]:
@@ -219,7 +231,21 @@ class Ahead:
         up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
         sides = _side(up, self._string, bit, up=True), _side(down, self._string, bit, up=False)
         at = tuple((_first(above, up=True), _first(below, up=False)) for above, below in zip(up, down, strict=True))
-        return Outlook(*sides, at or ((None, None),) * len(self._string), moving, self._counts)
+        at = at or ((None, None),) * len(self._string)
+        hole = self._live.model.rig.tracks["hole_depth"].value[-1:].tolist()
+        room = ahead, min(ahead, max(0.0, hole[0] - bit)) if hole else ahead  # the bit moves no deeper than the hole
+        unseen = tuple(self._unseen(body, bit, room, of) for body, of in zip(self._string, at, strict=True))
+        return Outlook(*sides, at, moving, self._counts, unseen)
+
+    def _unseen(
+        self, body: RigidBody, bit: float, room: tuple[float, float], at: tuple[float | None, float | None]
+    ) -> tuple[tuple[float, float] | None, ...]:
+        """Return the first hole that a body enters before it sticks, up and down, of which too little is sampled."""
+        travel = [most if end is None else abs(bit - end) for most, end in zip(room, at, strict=True)]
+        lower = bit - body.position
+        upper = lower - body.length
+        above, below = _gaps(self._seen, upper - travel[0], lower), _gaps(self._seen, upper, lower + travel[1])
+        return max(above, default=None), min(below, default=None)
 
     def _stretch(self, top: float, bottom: float, beyond: float) -> WallState | None:
         """Return the whole turns between two depths, with the samples that decide what is sampled there.
@@ -295,6 +321,22 @@ def _runs(found: Passage, touches: Mask, travel: Floats, ahead: float) -> list[I
         runs.append(order[first:stop])
         end = stop
     return runs
+
+
+def _seen(stretch: WallState) -> list[tuple[float, float]]:
+    """Return the ends of the hole whose turns are sampled, from above."""
+    K, pitch, start = stretch.settings.sectors, stretch.settings.pitch, float(stretch.start_depth)
+    turns = stretch.sampled.reshape(-1, K).mean(axis=1) >= LEAST_SAMPLED
+    found = [sorted((start + pitch * first, start + pitch * stop)) for first, stop in runs_of(turns)]
+    return sorted((top, bottom) for top, bottom in found)
+
+
+def _gaps(seen: Sequence[tuple[float, float]], top: float, bottom: float) -> list[tuple[float, float]]:
+    """Return the ends of what lies between two depths and is not seen."""
+    tops = [top, *(end for _, end in seen)]
+    bottoms = [*(start for start, _ in seen), bottom]
+    gaps = [(round(max(top, up), 2), round(min(bottom, down), 2)) for up, down in zip(tops, bottoms, strict=True)]
+    return [(up, down) for up, down in gaps if down - up >= LEAST_GAP]
 
 
 def _name(body: RigidBody, number: int) -> str:

@@ -353,7 +353,7 @@ class Feed:
         bit = self.scene.state.bit_depth
         if not self._string or self._measured is None or not math.isfinite(bit) or self._shape.basis != "azimuthal":
             return
-        self._hang(hanging=[self._hanging(number, bit) for number in range(len(self._string))])
+        self._hang(hanging=[self._hanging(number, bit) for number in range(len(self._string))], bit=round(bit, 2))
 
     def _hanging(self, number: int, bit: float) -> dict[str, Any]:
         """Return name and clearance of a body where it hangs now, for JSON; without numbers if no hole is measured."""

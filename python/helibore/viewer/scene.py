@@ -181,7 +181,7 @@ class RunState:
     prints: bool = False  # whether `Scene.draw_pages` is set
     meshes: bool = False  # whether `Scene.write_mesh` is set
     # A rigid string: its "bodies" (diameter, length, position, metres), and "why" its clearance is not known. If
-    # the bit's depth is known, "hanging": what each of them clears (`Feed.find_clearance_of_bodies`).
+    # the bit's depth is known, "hanging": what each of them clears with the bit at "bit" (`Feed._hanging`).
     string: Mapping[str, Any] | None = None
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()

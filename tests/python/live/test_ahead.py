@@ -18,13 +18,16 @@ TIGHT = (118.0, 119.0)
 class Trip:
     """A hole of 218 mm from 110 to 125 m with a meter of 206 mm, and a bit that moves in it."""
 
-    def __init__(self, alarms: str = "tight = 0.006\n", samples: int = 9000, more: str = "") -> None:
+    def __init__(
+        self, alarms: str = "tight = 0.006\n", samples: int = 9000, more: str = "", gap: tuple[float, float] = (0, 0)
+    ) -> None:
         self.clock = Clock()
         self.live = Live(parse(f"{WALL}[alarms]\n{alarms}{RIG}{more}"), clock=self.clock)
         draw = np.random.default_rng(4)
         depth = np.sort(draw.uniform(110, 125, samples))
+        depth = depth[(depth < gap[0]) | (depth > gap[1])]
         radius = 0.109 - 0.006 * ((depth > TIGHT[0]) & (depth < TIGHT[1]))
-        self.live.append_samples(depth, draw.uniform(0, 360, samples), radius)
+        self.live.append_samples(depth, draw.uniform(0, 360, depth.size), radius)
         self.alarms = Alarms(self.live, {"rig": "connected"})
 
     def to(self, bit: float, hole: float = 130.0) -> None:
@@ -264,3 +267,31 @@ def test_limits_beyond_all_reason_cost_no_memory_and_raise_nothing():
     for bit in (129.5, 127.0):
         wide.to(bit)
     assert wide.said == []
+
+
+def test_hole_that_no_sensor_saw_is_named_until_the_string_sticks_before_it():
+    """From 115 to 117 m nothing was measured, and neither the hole below 125 m nor that above 110 m."""
+    gap = Trip(more='[[string]]\ndiameter = "215mm"\nlength = 0.5\nname = "stabiliser"\n', gap=(115.0, 117.0))
+    for bit in (114.5, 112.0):
+        gap.to(bit)
+    up, down = gap.alarms.ahead.outlook.unseen[0]
+    assert up[1] == pytest.approx(110.0, abs=0.2), "above the wall"
+    assert down == pytest.approx((115.0, 117.0), abs=0.2), "before the tight meter"
+    for bit in (117.6, 117.9):  # between both: the body stands where all was seen, the tight meter is next
+        gap.to(bit)
+    up, down = gap.alarms.ahead.outlook.unseen[0]
+    assert (up, down) == (pytest.approx((115.0, 117.0), abs=0.2), None)
+    for bit in (122.0, 124.0):
+        gap.to(bit, hole=124.5)
+    assert gap.alarms.ahead.outlook.unseen[0] == (None, None), "the string sticks before it, the hole ends"
+    gap.to(126.0, hole=126.0)  # the body stands in hole that the sensor has not reached
+    assert gap.alarms.ahead.outlook.unseen[0][0] == pytest.approx((125.0, 126.0), abs=0.2)
+
+
+def test_without_a_limit_a_string_has_that_of_the_zones_and_no_alarm():
+    trip = Trip("washout = 0.02\n", more='[[string]]\ndiameter = "215mm"\nlength = 0.5\n')
+    for bit in (130.0, 127.0):
+        trip.to(bit)
+    outlook = trip.alarms.ahead.outlook
+    assert outlook.up.nearest[:2] == pytest.approx(TIGHT, abs=0.15)
+    assert trip.said == []

@@ -126,6 +126,31 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         screen.close()
 
 
+def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_bit(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    bodies = [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0]]
+    hanging = [
+        {"name": name, "clearance": 0.004, "low": 0.003, "high": 0.005, "depth": 1010.0, "at_most": False, "short": 0.0}
+        for name in ("bit", "near-bit stabiliser")
+    ]
+    string = {"bodies": bodies, "why": "", "hanging": hanging, "bit": 1020.0}
+    ahead = {"up": None, "down": None, "bodies": ((None, None), (1018.8, None)), "moving": "up"}
+    ahead |= {"touching": (0.213, 0.213), "unseen": (((1005.0, 1010.0), None), ((1014.0, 1014.5), None))}
+    with hb.view(wall) as viewer:
+        viewer.scene.update_state(bit_depth=1020.0, hole_depth=1026.0, newest=time.time(), string=string, ahead=ahead)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.querySelector('#rigBodies .name')")
+        rows = screen.evaluate(ROWS)
+        assert [row[3:] for row in rows] == [["≤1.2 m", "none"], ["– not known 1005.0–1010.0 m", "none"]]
+        assert screen.evaluate(OVER) == []
+        assert screen.evaluate("document.querySelectorAll('#rigBodies .old').length") == 0
+        viewer.scene.update_state(bit_depth=1019.5)
+        screen.until("document.querySelectorAll('#rigBodies .name.old').length === 2")
+        viewer.scene.update_state(string=string | {"bit": 1019.4})
+        screen.until("!document.querySelector('#rigBodies .old')")
+        screen.close()
+
+
 def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_page(browser: Any) -> None:
     with hb.view(MadeWall(20_000)) as viewer:
         scene, now = viewer.scene, time.time()

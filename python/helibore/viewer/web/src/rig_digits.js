@@ -11,6 +11,7 @@ import { byConsequence, IN_WORDS, percent } from './zones.js';
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const NOW = 0.05; // metres: so near is here
+const MOVED = 0.3; // metres that the bit may have moved on since the clearances were found
 const ROWS = 3; // bodies of the string that rig mode lists
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
@@ -86,8 +87,8 @@ function holeSize({ view: { units }, store, figures: { summary } }) {
 // Return digits and unit of a text such as "2048.8 m".
 /** @param {string} text @returns {[string, string]} */
 function parts(text) {
-  const [digits, unit = ''] = text.split(' ');
-  return [digits, unit];
+  const [digits, ...unit] = text.split(' ');
+  return [digits, unit.join(' ')];
 }
 
 // Write the place to know first: how tight or wide it is and how sure that is, and where it is.
@@ -185,11 +186,12 @@ function writeBodies(app) {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
       if (isStuck) return 'now'; // what lies ahead is looked for less often than what hangs here
-      if (at === null || at === undefined || bit === null) return 'none';
-      return distance((bit - at) * (side ? -1 : 1), units).join(' ');
+      const missed = ahead.unseen?.[i]?.[side];
+      const to = at === null || at === undefined || bit === null ? '' : distance((bit - at) * (side ? -1 : 1), units).join(' ');
+      return missed ? (to ? `≤${to}` : `– not known ${showSpan(...missed, units)}`) : to || 'none';
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
-    const state = short > NOW ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
+    const state = short > NOW || Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
     return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
   const text = JSON.stringify([rows, ahead?.moving]);
@@ -203,7 +205,7 @@ function writeBodies(app) {
   at.replaceChildren(...heads, ...rows.flatMap(([state, note, name, ...values]) => [make('p', name, `${state} name`), ...values.map((one, i) => {
     const [digits, unit] = parts(one);
     const value = make('p', digits, `${state} size${'none –'.includes(one) ? ' soft' : ''}`);
-    value.append(make('small', unit && ` ${unit}`), ...(i ? [] : [make('small', note, 'note')]));
+    value.append(make('small', unit && ` ${unit}`, digits === '–' ? 'note' : ''), ...(i ? [] : [make('small', note, 'note')]));
     return value;
   })]));
 }

@@ -65,7 +65,7 @@ interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; s
 // A string of rigid bodies, and where it hangs.
 type RigidBody = [diameter: number, length: number, position: number];
 interface Hanging { name: string; clearance?: number; low?: number | null; high?: number | null; depth?: number | null; at_most?: boolean; short?: number }
-interface RigidString { bodies: RigidBody[]; why: string; hanging?: Hanging[] }
+interface RigidString { bodies: RigidBody[]; why: string; hanging?: Hanging[]; bit?: number }
 interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number }
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
@@ -116,7 +116,7 @@ interface Handshake {
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
 interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
-interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[] }
+interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][] }
 type Chance = [sure: number, top: number, bottom: number] | null; // of the place between two depths
 type Way = 'up' | 'down';
 interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; sticksAt: number; first: string; places: number; worst: TightPlace | null }
