@@ -80,8 +80,7 @@ def shade(
         low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3  # the turns that these rows are smoothed from
         greatest = float(radius[low * sectors : high * sectors].max())
         largest = view.tube * (0.5 * bit_diameter + view.shape * (greatest - 0.5 * bit_diameter))
-        across = np.pi if open_end else np.radians(115.0)
-        psi = np.linspace(-across, across, int(_DENSITY * scale * 2 * across * largest) + 2)
+        psi = np.linspace(-np.pi, np.pi, int(_DENSITY * scale * 2 * np.pi * largest) + 2)
         around = (view.facing + np.degrees(psi) - first[1]) / 360.0
         fine = _resample(channels, sectors, turn, around)
         reach = view.tube * (0.5 * bit_diameter + view.shape * (fine[0] - 0.5 * bit_diameter))

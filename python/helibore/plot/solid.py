@@ -36,6 +36,8 @@ SLENDER = 5.5
 MOST_SHAPE = 10.0
 LEAST_RELIEF = 1e-4
 """Metres; a hole that differs less from bit size, as gauge hole does, has no shape to exaggerate."""
+MOST_NOISE = 0.25
+"""Slope along the hole, as drawn, that the noise of the radii from turn to turn has at most."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,8 @@ def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
 def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
     """Return the factors tube and shape, from `STEPS`, that give a body the usual slenderness and visible relief.
 
-    The narrowest place keeps a radius above 0 as drawn: with a larger shape the body would turn inside out.
+    The narrowest place keeps a radius above 0 as drawn: with a larger shape the body would turn inside out. Where the
+    noise would look like a wound rope, the shape is smaller.
     """
     length = one.depth[1] - one.depth[0]
     over = one.radius - 0.5 * bit_diameter
@@ -104,8 +107,16 @@ def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
     tube = _nearest_step(length / SLENDER / bit_diameter)
     if relief < LEAST_RELIEF:
         return tube, 1.0
-    most = min(_nearest_step(0.45 * bit_diameter / relief), MOST_SHAPE)
+    noise = tube * _noise(one.radius) / (length / (len(one.radius) - 1))
+    most = min(_nearest_step(0.45 * bit_diameter / relief), MOST_SHAPE, MOST_NOISE / max(noise, 1e-9))
     return tube, max((step for step in STEPS if step <= most and 0.5 * bit_diameter + step * narrow > 0), default=1.0)
+
+
+def _noise(radius: Floats) -> float:
+    """Return the standard deviation of radii, metres, that are compared with both neighbours; relief is smoother."""
+    bends = [np.abs(np.diff(radius, 2, axis=axis)) for axis in (0, 1)]
+    known = [bend[~np.isnan(bend)] for bend in bends]
+    return min((float(np.median(each)) / 0.6745 / 6**0.5 for each in known if each.size), default=0.0)
 
 
 def _nearest_step(value: float) -> float:

@@ -324,6 +324,11 @@ def _draw_ticks(axes: Axes, ticks: VolumeTicks, stretch: Stretch, right: bool) -
                 axes.text(ends[0] + 0.01 * inward, depth, f"{number * ticks.every:g}", transform=across, **look)
 
 
+def _with_unit(name: str, unit: str) -> str:
+    """Return a name with its unit, which a column's name may hold already: GR_gAPI."""
+    return f"{name.removesuffix(f'_{unit}')} [{unit or 'no unit'}]"
+
+
 class ScalarTrack:
     """One curve along the hole, on a scale of its own.
 
@@ -349,7 +354,7 @@ class ScalarTrack:
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write name and unit, the line, and the values at the edges."""
         curve, middle = self.curve, x + 0.5 * self.width
-        title = f"{curve.name} [{curve.unit or 'no unit'}]"
+        title = _with_unit(curve.name, curve.unit)
         head_title(sheet, x, y + 5.5, self.width, title, 5)
         sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
         if self.note:
@@ -424,7 +429,7 @@ class ImageTrack:
         """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
         shown, scale = self.shown, self.shown.scale
         middle, room = x + 0.5 * self.width, self.width - 1
-        head_title(sheet, x, y + 2.5, self.width, f"{shown.name} [{shown.unit or 'no unit'}]")
+        head_title(sheet, x, y + 2.5, self.width, _with_unit(shown.name, shown.unit))
         sheet.text(middle, y + 6.4, shown.remark, 5.6, within=room, ha="center", color=FAINT)
         color_bar(sheet, scale, x + 1.0, y + 9.0, self.width - 2.0, shares=shown.shares)
         sheet.lines_of_text(middle, y + 17.4, shown.note, 5.6, room, 2, ha="center", color=FAINT)

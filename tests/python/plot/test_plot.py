@@ -31,6 +31,7 @@ from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
 from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence, shifts
+from helibore.plot.shading import View, shade
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -195,6 +196,13 @@ def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
     named = {"C1": "C1", "C2": "C2", "D0": "U–D", "D90": "R–L"}
     assert [name for name in named if named[name] in words] == list(curves)
     assert_readable(figure)
+
+
+def test_the_head_of_a_curve_has_its_unit_once(wall: hb.Wall) -> None:
+    curve = ScalarCurve("GR_gAPI", "gAPI", np.array([2000.0, 2012.0]), np.array([20.0, 90.0]))
+    words = [text.get_text() for text in texts(plot.log(wall, scalars=[curve], polar=(), body=(), dpi=40))]
+    assert "GR [gAPI]" in words
+    assert "GR_gAPI [gAPI]" not in words
 
 
 def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wall) -> None:
@@ -438,6 +446,28 @@ def test_what_is_exaggerated_is_written_on_the_body(wall: hb.Wall) -> None:
     ]
     round_hole = hb.reconstruct(hb.Caliper.gauge(0, 20, BIT), bit_diameter=BIT)
     assert exaggeration(turns_between(round_hole, 0, 12), BIT)[1] == 1.0  # nothing to exaggerate
+
+
+def test_noise_is_exaggerated_less_than_relief() -> None:
+    around = np.cos(np.radians(22.5 * np.arange(16)))
+    smooth = np.full((200, 16), 0.5 * BIT) + 0.004 * np.maximum(around, 0)
+    noisy = smooth + np.random.default_rng(0).normal(0, 2e-4, smooth.shape)
+    ends = (0.0, 199 * 0.01)
+    assert exaggeration(Stretched(0, smooth, ends, 0.0), BIT)[1] == 10
+    tube, shape = exaggeration(Stretched(0, noisy, ends, 0.0), BIT)
+    assert shape < 10
+    assert tube * shape * 2e-4 / 0.01 == pytest.approx(0.2, rel=0.1)
+
+
+def test_a_breakout_behind_the_hole_sticks_out_as_far_as_one_in_front() -> None:
+    def outline(at: float) -> Any:
+        away = (5.0 * np.arange(72) - at + 180) % 360 - 180
+        radius = np.tile(0.108 + 0.022 * np.exp(-((away / 18) ** 2)), (120, 1)).ravel()
+        view = View(facing=0.0, tube=10.0, shape=5.0, width=200, height=400)
+        seen = shade(radius, np.full((radius.size, 3), 0.8), 72, 0.1, (0.0, 0.0), BIT, view).pixels[..., 3] > 0.5
+        return np.argmax(seen, axis=1)[120:300]  # the left edge
+
+    np.testing.assert_allclose(outline(130), outline(50), atol=1)
 
 
 def hb_washout(start: float, stop: float) -> Any:
