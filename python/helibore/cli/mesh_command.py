@@ -108,9 +108,12 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     from helibore.cli.mesh_output import error_lines, gain_lines, made_lines, save_mesh, write_centres
     from helibore.mesh.surface import Surface
     from helibore.mesh.volume import Volume
-    from helibore.runs.run import make_wall, placing
+    from helibore.runs.run import build_wall, placing, read_run, suit_images
 
-    make_wall(run, options["threads"], terminal.stage)
+    images, samples = read_run(run, terminal.stage)
+    if verb == "reconstruct":
+        suit_images(run, images, samples, chosen=True)
+    build_wall(run, images, samples, options["threads"], terminal.stage)
     wall, shells = run.wall, list(options["shell"])
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)

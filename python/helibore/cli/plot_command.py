@@ -121,7 +121,7 @@ def plot(**options: Any) -> None:
         saved = save_lines(run, output, "plot", options)
     width, height = figures[0].get_size_inches() * MM
     pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
-    wide = not roll and width > drawn.PAPERS[options["paper"]][0] + 0.1
+    wide = not roll and round(width) > drawn.PAPERS[options["paper"]][0]
     note = (
         f", wider than {options['paper'].upper()}: if the page is fitted to it, the scale is not true" if wide else ""
     )

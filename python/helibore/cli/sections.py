@@ -213,7 +213,8 @@ class Sectioned(click.Command):
             name = error.option_name
             for each in self.params:
                 if isinstance(each, SectionOption) and each.rare and name in each.opts:
-                    raise click.UsageError(f"{name}: no longer an option; it is now {each.form}", ctx) from error
+                    rule = f"no option of {ctx.command.name}, but a setting: {each.form}"
+                    raise click.UsageError(f"{name}: {rule}", ctx) from error
             if name in REMOVED:
                 raise click.UsageError(f"{name}: no longer an option; {REMOVED[name]}", ctx) from error
             raise
@@ -278,6 +279,10 @@ def _known(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -
 
 
 def _nearest(name: str, known: Mapping[str, SectionOption], param: click.Parameter) -> str:
+    from helibore.cli.settings_command import commands_with
+
+    if "." in name and param.name != "column" and (others := commands_with(_setting_name(name))):
+        return f"no setting of this command, but of {', '.join(others)}"
     names = [each.removeprefix("columns.").replace("_", "-") for each in known if each.startswith("columns.")]
     if param.name != "column":
         names = list(known)

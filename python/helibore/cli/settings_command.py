@@ -15,7 +15,7 @@ import click
 
 from helibore.base.errors import InputError
 from helibore.cli import MODULES
-from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near
+from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near, spelled_setting
 from helibore.cli.setting_groups import every_group
 from helibore.cli.terminal import echo
 from helibore.settings.declared import Member, members
@@ -39,12 +39,22 @@ def known_settings(groups: Mapping[str, type[Any]]) -> dict[str, str]:
     return known
 
 
+def _commands() -> dict[str, Sectioned]:
+    return {
+        verb: getattr(importlib.import_module(f"helibore.cli.{MODULES.get(verb, verb)}_command"), verb)
+        for verb in SHOWN
+    }
+
+
+def commands_with(setting: str) -> list[str]:
+    """Return the names of the commands that take a setting."""
+    return [verb for verb, command in _commands().items() if spelled_setting(command, setting)]
+
+
 def _options() -> dict[str, SectionOption]:
     """Return the options of all commands by the names of their settings."""
     found: dict[str, SectionOption] = {}
-    for verb in SHOWN:
-        module = importlib.import_module(f"helibore.cli.{MODULES.get(verb, verb)}_command")
-        command: Sectioned = getattr(module, verb)
+    for command in _commands().values():
         for each in (each for each in command.params if isinstance(each, SectionOption)):
             if each.expose_value and each.section != "Options" and (each.setting not in found or not each.rare):
                 found[each.setting] = each

@@ -59,6 +59,15 @@ def test_a_gauge_hole_along_a_survey(folder: Path) -> None:
     assert filecmp.cmp(folder / "m.glb", folder / "own.glb", shallow=False)
 
 
+@pytest.mark.parametrize(("pitch", "warned"), [("0.5m", True), ("0.1m", False)])
+def test_a_wall_with_turns_coarser_than_an_image_says_so(folder: Path, pitch: str, warned: bool) -> None:
+    given = ("reconstruct", "--average", f"{folder}/a.csv:cali_m", "--bit-diameter", "216mm")
+    image = ("--image", f"{folder}/g.csv:GR:edge", "-s", "path.reference=north", "-o", f"{folder}/m.wall")
+    result = CliRunner().invoke(cli, [*given, *image, "--pitch", pitch])
+    assert result.exit_code == 0, result.output
+    assert ("wall.pitch=0.1m shows every row" in " ".join(result.output.split())) == warned
+
+
 def test_an_average_caliper_and_an_archive_again(folder: Path) -> None:
     given = ("--average", f"{folder}/a.csv:cali_m", "--bit-diameter", "216mm", "--image", f"{folder}/g.csv:GR:edge")
     result = run(*given, "-s", "path.reference=north", "--survey", folder / "s.csv", "-o", folder / "m.wall")

@@ -251,12 +251,19 @@ def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, endi
 def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -> None:
     template = tmp_path / "wide.toml"
     template.write_text('[[track]]\nkind = "caliper"\nwidth = 1000\n')
-    for more, said in (((), "297 mm"), (("--template", template), "297 mm, wider than A4: if the page")):
+    near = tmp_path / "near.toml"
+    near.write_text(template.read_text().replace("1000", "473"))  # 210.3 mm
+    wide = ("--template", template)
+    for more, said in (
+        ((), "297 mm"),
+        (("--template", near), "210 x 297 mm"),
+        (wide, "297 mm, wider than A4: if the page"),
+    ):
         result = run_cli(archive, "-o", tmp_path / "log.pdf", "--dpi", 50, "--no-body", *more)
         assert result.exit_code == 0, result.output
         output = " ".join(result.output.split())
         assert said in output
-        assert ("wider than" in output) == bool(more)
+        assert ("wider than" in output) == (more == wide)
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,8 @@ def test_every_parameter_has_an_option_or_names_its_setting(verb: str) -> None:
         if isinstance(each, SectionOption) and each.rare:
             refused = run(verb, each.opts[-1], "1")
             assert refused.exit_code == 2
-            assert refused.stderr.startswith(f"helibore: {each.opts[-1]}: no longer an option; it is now {each.form}")
+            expected = f"helibore: {each.opts[-1]}: no option of {verb}, but a setting: {each.form}"
+            assert refused.stderr.startswith(expected)
         elif isinstance(each, SectionOption):
             assert each.get_help_record(click.Context(command)) is not None
 
@@ -113,6 +114,11 @@ def test_what_is_wrong_names_the_setting_and_the_nearest(words: tuple[str, ...],
     assert result.exit_code == 2
     golden(result.stderr)
     assert list(Path().iterdir()) == [Path("c.csv")]
+
+
+def test_a_setting_of_other_commands_names_them() -> None:
+    result = run("reconstruct", "c.csv", "-s", "header.well=X", "-o", "w.wall")
+    assert "-s header.well: no setting of this command, but of plot, report, view, " in result.stderr
 
 
 def test_an_unknown_command_names_the_nearest() -> None:

@@ -154,7 +154,7 @@ def test_every_command_has_every_option_of_a_wall_or_names_its_successor(verb: s
             refused = run(verb, option, "1")
             assert refused.exit_code == 2
             assert re.match(
-                rf"helibore: {option}: no longer an option; it is now (-s|--column) [\w.-]+=", refused.stderr
+                rf"helibore: {option}: no option of {verb}, but a setting: (-s|--column) [\w.-]+=", refused.stderr
             )
 
 
