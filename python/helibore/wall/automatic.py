@@ -27,7 +27,7 @@ from helibore.wall.tuning import errors_and_gains, tuning_with
 
 CERTAIN = 1.0
 """Standard errors by which near and far neighbours must be better at samples that are left out."""
-MOST_OPEN = 0.2
+MOST_OPEN = 0.4
 """Share of the places in the turns of samples that may have no sample near their toolface, up to `MOST_BOX_DEPTH` above
 and below: of more, samples that are left out do not show the errors."""
 NEIGHBORS = 16
