@@ -22,10 +22,11 @@ from typing import NamedTuple
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
+from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND
 from helibore.live.live import Live
 from helibore.live.rules.configuration import AlarmLimits
-from helibore.logs.passage import Passage, passage_of
+from helibore.logs.passage import Passage, passage_of, without_noise
 from helibore.logs.turn_logs import LEAST_SAMPLED
 from helibore.logs.zone_criteria import Criteria
 from helibore.settings.output_settings import RigidBody
@@ -212,6 +213,7 @@ class Ahead:
         stretch = self._stretch(*self._ends, length)
         each = zip(range(len(string)), string, thin, touching, strict=True)
         self._seen = [] if stretch is None else _seen(stretch)
+        stretch = stretch and _quiet(stretch)
         self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, of[-1])) for of in each]
 
     def _narrow(self, stretch: WallState, body: RigidBody) -> list[WallState]:
@@ -224,7 +226,7 @@ class Ahead:
             top, bottom = sorted(
                 stretch.start_depth + stretch.settings.pitch * turn for turn in (first - reach, stop + reach)
             )
-            parts.append(self._stretch(top, bottom, body.length))
+            parts.append(self._stretch(top, bottom, body.length, stretch))
         return [part for part in parts if part is not None]
 
     def _look_around(self, bit: float, ahead: float, moving: str) -> Outlook:
@@ -247,13 +249,13 @@ class Ahead:
         above, below = _gaps(self._seen, upper - travel[0], lower), _gaps(self._seen, upper, lower + travel[1])
         return max(above, default=None), min(below, default=None)
 
-    def _stretch(self, top: float, bottom: float, beyond: float) -> WallState | None:
-        """Return the whole turns between two depths, with the samples that decide what is sampled there.
+    def _stretch(self, top: float, bottom: float, beyond: float, wall: WallState | None = None) -> WallState | None:
+        """Return the whole turns of the wall between two depths, with the samples that decide what is sampled there.
 
         Turns that the wall does not have, up to so many metres beyond its ends, are without a radius; None if it has
         none of them.
         """
-        wall = self._live.wall._state()
+        wall = wall or self._live.wall._state()
         K, pitch = wall.settings.sectors, wall.settings.pitch
         start_depth = float(wall.start_depth)
         first, stop = sorted((end - start_depth) / pitch for end in (top, bottom))
@@ -277,7 +279,7 @@ class Ahead:
             iterations=np.pad(wall.iterations[own], lack),
             sample_columns=tuple(column[near] for column in wall.sample_columns),
             path=None,
-            sums=(),
+            sums=tuple(np.pad(column[own], lack, constant_values=np.nan) for column in wall.sums),
         )
 
 
@@ -321,6 +323,17 @@ def _runs(found: Passage, touches: Mask, travel: Floats, ahead: float) -> list[I
         runs.append(order[first:stop])
         end = stop
     return runs
+
+
+def _quiet(stretch: WallState) -> WallState:
+    """Return a stretch without the noise of its radii, as far as their uncertainty is known."""
+    if not stretch.sums:
+        return stretch
+    try:
+        radius = without_noise(stretch.radius, stretch.sigma, stretch.settings.sectors)
+    except InputError:  # too few samples
+        return stretch
+    return replace(stretch, radius=radius, sums=())
 
 
 def _seen(stretch: WallState) -> list[tuple[float, float]]:

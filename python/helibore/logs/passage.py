@@ -37,6 +37,10 @@ OPEN = 1.0
 """Metres: radius of hole that counts as wide open."""
 BESIDE = 2
 """Vertices above, below and on both sides of a radius; it is thought no narrower than they are."""
+QUIET = 2.0
+"""Standard uncertainties by which a radius may differ from the mean of those beside it, and be thought equal to it."""
+SURER = 0.75
+"""Uncertainty of such a radius as a share of its own: radii beside each other share samples, so it is not a fifth."""
 RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a body is not measured"
 
 
@@ -299,6 +303,33 @@ def hanging_at(
             depth = float(found["contact_depth"][row, 0])
             return Hanging(clearance, low, high, depth, body, at_most) if clearance < OPEN else None
     return None
+
+
+def without_noise(radius: Floats, sigma: Floats, sectors: int) -> Floats:
+    """Return radii, each nearer to the mean of those beside it by QUIET x sigma; their uncertainty is SURER x sigma.
+
+    A body touches where the hole is narrowest. Of hundreds of radii with an error each, the narrowest lies far too
+    near: without this, a body was said to stick in a hole of bit size.
+    """
+    held = radius.size // sectors * sectors
+    turns, error = radius[:held].reshape(-1, sectors), sigma[:held].reshape(-1, sectors)
+    known = np.isfinite(turns)
+    total, count = (_beside(values) for values in (np.where(known, turns, 0.0), known.astype(np.float64)))
+    mean = total / np.maximum(count, 1.0)
+    away = turns - mean
+    quiet = mean + np.copysign(np.maximum(0.0, abs(away) - QUIET * error), away)
+    found = np.array(radius)
+    found[:held] = np.where(np.isfinite(quiet), quiet, turns).ravel()
+    return found
+
+
+def _beside(turns: Floats) -> Floats:
+    """Return the sum of each value and those up to BESIDE turns and sectors away."""
+    padded, found = np.pad(turns, ((BESIDE, BESIDE), (0, 0))), np.zeros_like(turns)
+    for by in range(2 * BESIDE + 1):
+        for turned in range(-BESIDE, BESIDE + 1):
+            found += np.roll(padded[by : by + len(turns)], turned, axis=1)
+    return found
 
 
 def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None) -> Drift:

@@ -33,7 +33,7 @@ from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import ScalarCurve, curves_of
-from helibore.logs.passage import Hanging, hanging_at, passage_of
+from helibore.logs.passage import SURER, Hanging, hanging_at, passage_of, without_noise
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
 from helibore.logs.zones import LIKELY, Classification, classify
@@ -117,6 +117,7 @@ class Feed:
         self._grown = threading.Event()  # the wall has changed since its zones were found, or they were never found
         self._grown.set()
         self._measured: tuple[Any, Floats | None] | None = None  # the wall whose zones were found last, and its sigma
+        self._quiet: tuple[Any, Floats | None] | None = None  # the same without noise
         self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colour ranges are final
         self._logged = 0  # how often the logs were measured
@@ -277,14 +278,16 @@ class Feed:
     def _find_zones(self) -> None:
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
-        wall = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
+        wall: Any = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
         with self._finding:
             found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
         sigma = None if measured is None else _sigma_of(wall)
         if measured is not None:
             self.scene.set_trust(np.isfinite(wall.radius) & ~measured, sigma)
-        self._measured = wall, sigma
+        self._measured = self._quiet = wall, sigma
+        if self._string and sigma is not None and hasattr(wall, "sample_columns"):
+            self._quiet = replace(wall, radius=without_noise(wall.radius, sigma, self._shape.sectors)), SURER * sigma
         zones: list[dict[str, Any]] = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
@@ -389,9 +392,9 @@ class Feed:
 
     def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
         """Return the clearance of a body where the string's lower end is at a depth; None: not known."""
-        if self._measured is None:
+        if self._quiet is None:
             return None
-        wall, sigma = self._measured
+        wall, sigma = self._quiet
         return hanging_at(wall, [body], lower_end, getattr(wall, "sampled", None), sigma)
 
     def _hang(self, **changes: Any) -> None:

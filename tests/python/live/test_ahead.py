@@ -295,3 +295,23 @@ def test_without_a_limit_a_string_has_that_of_the_zones_and_no_alarm():
     outlook = trip.alarms.ahead.outlook
     assert outlook.up.nearest[:2] == pytest.approx(TIGHT, abs=0.15)
     assert trip.said == []
+
+
+def test_noise_of_the_radii_is_no_tight_hole():
+    """With 3 mm of noise, a stabiliser of 212.7 mm in a hole of 218 mm sticks where the hole has 210 mm alone."""
+    clock, draw = Clock(), np.random.default_rng(8)
+    wall = WALL.replace("sectors = 16", "sectors = 64\nsigma = true").replace("0.216", "0.2159")
+    string = '[[string]]\ndiameter = "212.7mm"\nlength = 1.0\nname = "stabiliser"\n'
+    live = Live(parse(f"{wall}[alarms]\ntight = 0.003\n{RIG}{string}"), clock=clock)
+    depth = np.arange(101, 125, 1 / 640)
+    radius = 0.109 - 0.004 * ((depth > TIGHT[0]) & (depth < TIGHT[1])) + draw.normal(0, 0.003, depth.size)
+    live.append_samples(depth, np.arange(depth.size) * 22.2 % 360, radius)
+    alarms = Alarms(live, {"rig": "connected"})
+    for bit in (124.5, 124.0):
+        clock.step(5)
+        live.receive("rig", wits.frame([(108, f"{bit:.2f}"), (110, "130.0")]))
+        alarms.check()
+    found = alarms.ahead.found
+    assert found is not None
+    assert found.places == 1
+    assert found.sticks_at == pytest.approx(TIGHT[1] + 1.0, abs=0.3)

@@ -151,6 +151,27 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         screen.close()
 
 
+def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(browser: Any) -> None:
+    string = {"bodies": [[0.213, 1.0, 4.0]], "why": "", "bit": 1020.0}
+    of = {"name": "stabiliser", "clearance": -0.004, "low": -0.009, "depth": 1015.3, "at_most": False, "short": 0.0}
+    place = (1013.0, 1018.0, 0.209, 1020.0, "stabiliser", 1019.7, 0)
+    up = {"places": 1, "nearest": place, "worst": place}
+    ahead = {"up": up, "down": None, "bodies": ((1020.0, None),), "moving": "up", "touching": (0.213,)}
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1020.0, "hole_depth": 1026.0, "newest": time.time(), "ahead": ahead}
+        viewer.scene.update_state(string=string | {"hanging": [of | {"high": 0.001}]}, **state)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.querySelector('#rigBodies .name')")
+        screen.settle()
+        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["stabiliser sticks in", "0.0 m"]
+        assert screen.evaluate(ROWS)[0][3:] == ["0.0 m", "none"]
+        viewer.scene.update_state(string=string | {"hanging": [of | {"high": -0.001}]})
+        screen.until("document.getElementById('rigWhere').textContent.includes('now')")
+        assert screen.evaluate(f"({CELL})('rigWhere')") == ["stabiliser sticks ", "now ", "at 1015.3 m"]
+        assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
+        screen.close()
+
+
 def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_page(browser: Any) -> None:
     with hb.view(MadeWall(20_000)) as viewer:
         scene, now = viewer.scene, time.time()

@@ -106,6 +106,7 @@ function writeWorst(app, ends) {
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
   const { start, stop, measure, zone, sure, way, places, sticksAt, worst } = place;
+  const { hanging = [] } = app.string ?? {};
   const stuck = way ? stuckIn(app, start, stop) : '';
   const first = stuck || place.first;
   byId('rigWhereCell').className = stuck || moves ? 'new' : '';
@@ -113,9 +114,13 @@ function writeWorst(app, ends) {
   const [digits, unit] = parts(showSigned(measure, units, units === 'mm' ? 0 : 1));
   cell('rigWorst', head, digits, `${unit}${Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`}`, `${what}${Number.isNaN(sure) ? ', uncertainty not known' : ''}`);
   const left = bit === null ? NaN : way ? (stuck ? 0 : (bit - sticksAt) * (way === 'up' ? 1 : -1)) : Math.max(0, bit - stop, start - bit);
-  const from = way ? `${first} sticks ${left > NOW ? 'in' : ''}` : left > NOW ? `${(bit ?? NaN) > stop ? 'Above' : 'Below'} bit` : 'Bit is in it';
+  const i = hanging.findIndex(({ name }) => name === first);
+  const unsure = way !== '' && i >= 0 && isUnsure(app, i);
+  const isNow = way && left <= NOW && !unsure;
+  const from = way ? `${first} sticks ${isNow ? '' : 'in'}` : left > NOW ? `${(bit ?? NaN) > stop ? 'Above' : 'Below'} bit` : 'Bit is in it';
   const other = worst && worst[3] !== sticksAt ? `; worst ${showSigned(worst[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(worst[0], units, 1)}` : '';
-  cell('rigWhere', from, ...distance(left, units), showSpan(start, stop, units) + other);
+  const here = isNow ? hanging[i]?.depth : null; // where the body stands
+  cell('rigWhere', from, ...distance(left, units, unsure), (typeof here === 'number' ? `at ${showDepth(here, units, 1)}` : showSpan(start, stop, units)) + other);
 }
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
@@ -146,7 +151,14 @@ export function hungInRig({ string, store, ahead }, bottom) {
 function sticksNow({ string, store, ahead }, i) {
   const { clearance = NaN, high, short = 0 } = string?.hanging?.[i] ?? {};
   const spare = string ? spareOf({ string, store, ahead }, i) : 0; // by which it may be too thick and not count as tight
-  return !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare > 0);
+  return !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare >= 0);
+}
+
+// Whether a body may stick where it hangs, and may not: then no digits say "now".
+/** @param {App} app @param {number} i */
+function isUnsure(app, i) {
+  const { high, short = 0 } = app.string?.hanging?.[i] ?? {};
+  return !(short > NOW) && (high ?? NaN) + spareOf(/** @type {any} */ (app), i) >= 0;
 }
 
 // Return the name of the body that sticks now between two depths; '' if none does.
@@ -165,8 +177,8 @@ function withIn({ low, high }, units) {
 }
 
 // Return a distance to move as digits and unit.
-/** @param {number} metres @param {Units} units @returns {[string, string]} */
-const distance = (metres, units) => (metres > NOW ? parts(showDepth(metres, units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
+/** @param {number} metres @param {Units} units @param {boolean} [unsure] @returns {[string, string]} */
+const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && metres <= NOW) ? parts(showDepth(Math.max(0, metres), units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
 
 // Write a row for each of the widest bodies, in the order in which they hang: what it clears now, and how far it moves up or
 // down until it sticks. In hole that no sensor has passed, what it cleared where it last was in measured hole.
@@ -187,7 +199,7 @@ function writeBodies(app) {
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
       if (isStuck) return 'now'; // what lies ahead is looked for less often than what hangs here
       const missed = ahead.unseen?.[i]?.[side];
-      const to = at === null || at === undefined || bit === null ? '' : distance((bit - at) * (side ? -1 : 1), units).join(' ');
+      const to = at === null || at === undefined || bit === null ? '' : distance((bit - at) * (side ? -1 : 1), units, isUnsure(app, i)).join(' ');
       return missed ? (to ? `≤${to}` : `– not known ${showSpan(...missed, units)}`) : to || 'none';
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
