@@ -169,6 +169,15 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         screen.until("document.getElementById('rigWhere').textContent.includes('now')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == ["stabiliser sticks ", "now ", "at 1015.3 m"]
         assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
+        alarms = ("tight ahead: tight hole above the bit at 1020.0 m: from 1013.0 to 1018.0 m 209 mm pass at most",)
+        scene, head = viewer.scene, "document.getElementById('rigWorstHead').textContent"
+        scene.update_state(alarms=alarms, ahead=ahead | {"down": up, "moving": "down"})
+        screen.until("window.__wall.app.ahead.moving === 'down'")
+        screen.settle()
+        assert screen.evaluate(head) == "Tight place above", "run in, too, a body above the bit meets what is above it"
+        assert screen.inner_text("#alarmText").startswith("Tight above")
+        scene.update_state(ahead=ahead | {"up": None, "down": up, "moving": "up"})
+        screen.until(f"{head}.startsWith('Worst place')")  # tripped out, what lies behind is not next
         screen.close()
 
 
@@ -195,6 +204,14 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         screen.until("window.__wall.app.newest === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         assert screen.evaluate("Math.abs(window.__wall.app.received - Date.now() / 1000)") < 60
+        scene.update_state(hole_depth=1033.4, newest=now - 15)
+        screen.until(f"{lamp} === 'live'")
+        scene.update_state(hole_depth=1033.9, bit_depth=1033.9)  # drilled on, without a radius
+        screen.until(f"{lamp} === 'late'")
+        assert re.fullmatch(r"last radius \d\d s old", screen.inner_text("#rigAgeMore"))
+        assert re.fullmatch(r"\d\d s", screen.inner_text("#rigAge"))
+        scene.update_state(newest=time.time())
+        screen.until(f"{lamp} === 'live'")
         screen.evaluate("window.__wall.app.received -= 9")
         screen.until(f"{lamp} === 'late'")
         assert not screen.evaluate("document.body.classList.contains('stale')")

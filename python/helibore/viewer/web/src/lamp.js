@@ -7,6 +7,8 @@ import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const SLACK = 3; // seconds by which what a source sends may be later than usual
+const DRY = 10; // seconds without a radius, at least
+const DRILLED = 0.1; // metres of hole drilled meanwhile
 const LATE = 60; // seconds without a sample
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
@@ -30,10 +32,13 @@ export class Pace {
   /** @type {number | null} */
   last = null;
   usual = NaN;
+  /** @type {number | null} */
+  hole = null; // depth of the hole at the last arrival
 
-  /** @param {number | null} received */
-  note(received) {
+  /** @param {number | null} received @param {number | null} [hole] */
+  note(received, hole = null) {
     if (received === this.last) return;
+    this.hole = hole;
     const gap = Math.abs((received ?? NaN) - (this.last ?? NaN));
     if (Number.isFinite(gap)) this.usual = Number.isNaN(this.usual) ? gap : 0.8 * this.usual + 0.2 * Math.min(gap, 2 * this.usual); // one silence is not usual
     this.last = received;
@@ -47,6 +52,10 @@ const isLate = (of) => of.received !== null && silenceOf(of) > 2 * of.pace.usual
 // Return the seconds since a source sent anything; NaN if it is not known.
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - Math.max(of.received, of.newest ?? 0));
+
+// Whether hole is drilled, and no radius has come for three times the usual time.
+/** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth'>} of */
+export const isDry = (of) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0)) && (of.holeDepth ?? NaN) - (of.radii?.hole ?? NaN) > DRILLED && (of.holeDepth ?? NaN) - (of.bitDepth ?? NaN) < LIFTED;
 
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
@@ -70,7 +79,7 @@ function troubleOf({ alarms, lost }) {
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -83,20 +92,21 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const fed = received !== null && !ended; // bytes came
   const silent = { received, newest, lastWrite, pace };
   const old = !ended && seconds > LATE;
-  const lastRadius = old && !isSilent(silent) ? `last radius ${showAge(seconds)} old` : '';
+  const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth });
+  const lastRadius = (old && !isSilent(silent)) || isDead ? `last radius ${showAge(seconds)} old` : '';
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), lastRadius || `${showAge(seconds)} old`);
   else parts.push(fed ? 'no radius since the start' : 'not live');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
-  const late = !ended && ((old && !lastRadius) || isLate(silent));
+  const late = isDead || (!ended && ((old && !lastRadius) || isLate(silent)));
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
   const quiet = alarms.feed.filter((one) => alarms.silenced.includes(one)).length;
   if (quiet) parts.push(`${quiet} silenced`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
-  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
+  return [colour, parts.join(' · '), trouble || (late && !isDead ? 'no new data' : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
 }
 
 // Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.

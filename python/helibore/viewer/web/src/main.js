@@ -53,6 +53,7 @@ export class App {
   /** @type {number | null} */
   received = null; // the last bytes from a source, by this machine's clock
   pace = new Pace();
+  radii = new Pace(); // of the radii alone
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   /** @type {RigidString | null} */
@@ -229,6 +230,7 @@ export class App {
     this.bitDepth = bit;
     this.holeDepth = hole;
     this.pace.note(received);
+    this.radii.note(newest, hole);
     [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
     this.ended = ended;
     this.openSaved();

@@ -47,7 +47,7 @@ export function placeOn({ zones, ahead, aheadSure, store }, way) {
 // metres. `sure`: the probability that the string sticks there, or that the zone is of its kind.
 /** @param {App} app @param {number[]} [ends] @returns {FirstPlace | null} */
 export function firstPlace(app, ends = recent(app.store)) {
-  const [tight] = waysOf(app).flatMap((way) => placeOn(app, way) ?? []);
+  const [tight] = waysOf(app).slice(0, app.ahead?.moving ? 1 : 2).flatMap((way) => placeOn(app, way) ?? []); // what lies behind is not next
   if (tight) return tight;
   const zone = worstOf(app.zones, ends);
   return zone && { ...zone, zone, sure: zone.confidence, way: '', sticksAt: NaN, first: '', places: 0, worst: null };

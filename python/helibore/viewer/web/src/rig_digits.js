@@ -3,7 +3,7 @@
 
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
-import { isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
+import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { firstPlace, placeOn, recent, waysOf } from './rig.js';
 import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -13,6 +13,9 @@ const NEAR = 0.5; // metres from a zone to the place that an alarm about it name
 const NOW = 0.05; // metres: so near is here
 const MOVED = 0.3; // metres that the bit may have moved on since the clearances were found
 const ROWS = 3; // bodies of the string that rig mode lists
+// Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
+/** @param {FirstPlace} place @param {number | null} bit */
+const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SIDES.up : SIDES.down);
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
 const MARGIN = 40; // pixels of a cell that its texts leave free
@@ -62,7 +65,7 @@ export function writeDigits(app) {
 function writeData(app) {
   const { view: { units }, store, bit } = app;
   const [colour, text, word] = lampWords(app);
-  const [age, ageUnit = ''] = showAge(silenceOf(app)).split(' ');
+  const [age, ageUnit = ''] = showAge(isDry(app) ? ageOf(app) : silenceOf(app)).split(' ');
   const stale = isStale(app);
   document.body.classList.toggle('stale', stale);
   byId('rigAgeCell').className = stale ? 'new' : '';
@@ -110,7 +113,7 @@ function writeWorst(app, ends) {
   const stuck = way ? stuckIn(app, start, stop) : '';
   const first = stuck || place.first;
   byId('rigWhereCell').className = stuck || moves ? 'new' : '';
-  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${SIDES[way]}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
+  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${sideOf(place, bit)}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
   const [digits, unit] = parts(showSigned(measure, units, units === 'mm' ? 0 : 1));
   cell('rigWorst', head, digits, `${unit}${Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`}`, `${what}${Number.isNaN(sure) ? ', uncertainty not known' : ''}`);
   const left = bit === null ? NaN : way ? (stuck ? 0 : (bit - sticksAt) * (way === 'up' ? 1 : -1)) : Math.max(0, bit - stop, start - bit);
@@ -231,7 +234,7 @@ export function placesOf(app, whole) {
   /** @param {string} name @param {FirstPlace | Zone} of @param {number} sure */
   const line = (name, { measure, start, stop }, sure) => `${name} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole && !Number.isNaN(sure) ? `, ${percent(sure)} sure` : ''}`;
   /** @param {FirstPlace} of */
-  const tightLine = (of) => line(`tight ${SIDES[of.way || 'up']}`, of, of.sure);
+  const tightLine = (of) => line(`tight ${sideOf(of, app.bit)}`, of, of.sure);
   /** @param {Zone} zone */
   const zoneLine = (zone) => {
     const own = tight.find((of) => of.zone && overlap(of.zone, zone));

@@ -76,6 +76,14 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   for (const at of [100, 101, 102, 104, 105, 105]) pace.note(at);
   const [long, short] = [9, 2].map((age) => words(1050, 0.1, { received: Date.now() / 1000 - age, newest: 0, pace })[0]);
   assert.deepEqual([long, short], ['late', 'live'], 'a source that sends every second is late after 9 s');
+  const radii = new Pace();
+  for (const at of [100, 101, 102]) radii.note(at, 1050);
+  /** @param {number} age @param {number} bitDepth @param {number} holeDepth */
+  const without = (age, bitDepth, holeDepth) => words(bitDepth, 0.1, { radii, holeDepth, newest: Date.now() / 1000 - age, received: Date.now() / 1000 - 1 });
+  assert.deepEqual([without(12, 1051, 1051)[0], without(12, 1051, 1051)[2]], ['late', 'last radius 12 s old'], 'hole is drilled, and the caliper is dead');
+  assert.deepEqual([without(9, 1051, 1051), without(12, 1040, 1051), without(12, 1050, 1050)].map(([colour]) => colour), ['live', 'live', 'live'], 'soon, off bottom, no new hole');
+  radii.usual = 50;
+  assert.equal(without(59, 1051, 1051)[0], 'live', 'a tool that sends every 50 s');
   assert.deepEqual(words(1050, 0.1, { newest: null, received: Date.now() / 1000 - 2 }).slice(0, 2), ['live', 'no radius since the start · 0.0 m behind bit · wall 1000.0–1050.0 m'], 'a server that was started again');
   assert.deepEqual(words(null, 0.1, { newest: null, ended: true }), ['', 'not live · wall 1000.0–1050.0 m', 'not live'], 'whether it was saved is not known');
   assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['', 'waiting']);
