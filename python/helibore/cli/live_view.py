@@ -12,6 +12,7 @@ The page is from ``helibore/viewer``, which is loaded only with ``--view``.
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -26,6 +27,7 @@ from helibore.live.ahead import Outlook
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.model.update import Update
+from helibore.live.rules.pass_rules import PASSES
 from helibore.logs.curves import ScalarCurve
 from helibore.samples.helix import helix_of
 
@@ -44,6 +46,8 @@ CHANNELS_SECONDS, PICTURE_SECONDS = 5.0, 1.0
 """Seconds between two updates of the curves of the rig's channels, and of their picture."""
 SILENT_SECONDS = 15
 """Seconds after which the picture of the channels is drawn anew although nothing comes: its gap grows."""
+APART_SECONDS = 30.0
+"""Seconds for which the page says that radii came of a pass that the wall does not take."""
 SHOWN_TIMES = 720
 """The number of latest values by time that the picture shows of a channel: two hours."""
 
@@ -71,6 +75,7 @@ class Window:
         self._shown: Wall | None = None
         self._path_moved = True
         self._newest: float | None = None
+        self._apart: dict[str, tuple[int, float]] = {}  # by pass that the wall does not take: samples, and since when
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = self._channels_due = self._curves_due = 0.0
@@ -122,8 +127,17 @@ class Window:
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if not self._feed:
             text = self._waiting_text(states, alarms, lost)
-        self.scene.update_state(**known, sources=text, alarms=tuple(map(str, alarms)), lost=lost,
-                                ahead=asdict(ahead) if ahead else None)  # fmt: skip
+        self.scene.update_state(**known, sources=text, apart=self._kept_apart(), lost=lost,
+                                alarms=tuple(map(str, alarms)), ahead=asdict(ahead) if ahead else None)  # fmt: skip
+
+    def _kept_apart(self) -> str:
+        """Return the passes that the wall does not take and of which radii come, such as "ream, trip"."""
+        counts, taken, now = self._live.model.counts, self._live.configuration.layers["main"], time.monotonic()
+        for name in set(PASSES) - set(taken):
+            before = self._apart.setdefault(name, (counts[f"pass {name}"], -math.inf))
+            if counts[f"pass {name}"] > before[0]:
+                self._apart[name] = counts[f"pass {name}"], now
+        return ", ".join(sorted(name for name, (_, since) in self._apart.items() if now - since < APART_SECONDS))
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all its threads are running."""

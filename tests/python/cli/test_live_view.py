@@ -92,6 +92,33 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
 
 
 @pytest.mark.usefixtures("needs_page")
+def test_the_page_knows_that_radii_come_of_a_pass_that_the_wall_does_not_take(monkeypatch):
+    from helibore.cli import live_view
+
+    with live_view.Window("well-7") as window:
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.show(pushed(live, 100.0))
+        window.refresh({})
+        assert window.scene.state.apart == ""
+        live.model.counts |= {"pass ream": 30, "pass drill": 400}
+        window.refresh({})
+        assert window.scene.state.apart == "ream"
+        monkeypatch.setattr(live_view, "APART_SECONDS", 0.0)
+        window.refresh({})
+        assert window.scene.state.apart == "", "no more of them came"
+        monkeypatch.setattr(live_view, "APART_SECONDS", 30.0)
+        taken = hb.Live(parse(HOST + '[layers]\nmain = ["drill", "ream", "rescan"]\n'))
+        window.follow(taken)
+        taken.model.counts |= {"pass ream": 900}
+        window._apart.clear()
+        window.refresh({})
+        taken.model.counts |= {"pass ream": 990}
+        window.refresh({})
+        assert window.scene.state.apart == ""
+
+
+@pytest.mark.usefixtures("needs_page")
 def test_the_page_goes_on_with_another_hole():
     from helibore.cli.live_view import Window
 

@@ -200,17 +200,21 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         screen.until(f"{lamp} === 'live' && !Number.isNaN(window.__wall.app.pace.usual)")
         assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # bytes come, without a radius
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
+        scene.update_state(apart="ream")
+        screen.until("document.getElementById('rigAgeMore').textContent.endsWith('old, ream pass not shown')")
+        scene.update_state(apart="")
+        screen.until("!document.getElementById('rigAgeMore').textContent.includes('ream')")
         scene.update_state(newest=float("nan"))  # a server that was started again
         screen.until("window.__wall.app.newest === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         assert screen.evaluate("Math.abs(window.__wall.app.received - Date.now() / 1000)") < 60
-        scene.update_state(hole_depth=1033.4, newest=now - 15)
+        scene.update_state(hole_depth=1033.4, newest=time.time() - 15, received=time.time())
         screen.until(f"{lamp} === 'live'")
-        scene.update_state(hole_depth=1033.9, bit_depth=1033.9)  # drilled on, without a radius
+        scene.update_state(hole_depth=1033.9, bit_depth=1033.9, received=time.time())  # drilled on, without a radius
         screen.until(f"{lamp} === 'late'")
         assert re.fullmatch(r"last radius \d\d s old", screen.inner_text("#rigAgeMore"))
         assert re.fullmatch(r"\d\d s", screen.inner_text("#rigAge"))
-        scene.update_state(newest=time.time())
+        scene.update_state(newest=time.time(), received=time.time())
         screen.until(f"{lamp} === 'live'")
         screen.evaluate("window.__wall.app.received -= 9")
         screen.until(f"{lamp} === 'late'")

@@ -55,6 +55,7 @@ export class App {
   pace = new Pace();
   radii = new Pace(); // of the radii alone
   ended = false;
+  apart = ''; // passes of which radii come and the wall takes none
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   /** @type {RigidString | null} */
   string = null;
@@ -214,8 +215,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo, limits });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS, apart = '' }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo, limits, apart });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew

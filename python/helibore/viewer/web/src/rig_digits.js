@@ -70,8 +70,9 @@ function writeData(app) {
   document.body.classList.toggle('stale', stale);
   byId('rigAgeCell').className = stale ? 'new' : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
-  const behind = lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
-  cell('rigAge', 'Data age', age, ageUnit, colour === 'live' && (word === 'live' || !word) ? `data to ${showDepth(store.end, units, 1)}${behind}` : word ?? text.split(' · ')[0]);
+  const apart = app.apart && `, ${app.apart} pass not shown`;
+  const behind = !apart && lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
+  cell('rigAge', 'Data age', age, ageUnit, (colour === 'live' && (word === 'live' || !word) ? `data to ${showDepth(store.end, units, 1)}${behind}` : word ?? text.split(' · ')[0]) + apart);
   byId('rigLamp').className = colour;
   byId('rigLamp').textContent = SIGNS[colour] ?? '–';
 }
