@@ -1024,6 +1024,30 @@ def test_a_slide_is_the_view_in_larger_type_and_the_page_stays(browser: Any, vie
     screen.close()
 
 
+@pytest.mark.parametrize("camera", ["straight", "down"])
+def test_a_slide_has_whole_heads_and_no_hint_or_scale(browser: Any, camera: str) -> None:
+    wall = MadeWall(12_800)
+    name = "a name of an image that is longer than the head of its track on a slide"
+    with hb.view(wall, attributes={hb.Attribute(name, "m"): np.linspace(0, 0.01, 12_800)}) as viewer:
+        screen = Screen(browser, viewer.url, f"#md=1010&sec=20&camera={camera}", (1366, 768))
+        screen.evaluate(f"window.__wall.app.selection.setQuantity('{name}')")
+        screen.settle()
+        screen.evaluate(
+            "(() => { const { renderer } = window.__wall.app; const draw = renderer.drawInk.bind(renderer);"
+            " renderer.drawInk = (look) => { draw(look);"
+            " if (document.getElementById('ink').slide)"
+            " window.__slide = document.getElementById('ink').labels.map(({ text }) => text); }; })()"
+        )
+        with screen.page.expect_download():
+            screen.click("#slide")
+        screen.settle()
+        said = screen.evaluate("window.__slide")
+        assert not [text for text in said if text.startswith(("Pick dips", "1:")) or "…" in text], said
+        assert name in said
+        assert screen.evaluate("document.getElementById('ink').slide === undefined")
+        screen.close()
+
+
 def test_the_view_is_saved_as_a_vector_picture(browser: Any, viewer: Any) -> None:
     """Each text of the picture stands where the page has it, and the wall is a picture in it."""
     pick = hb.Pick(kind="fracture", depth=1010.0, apparent_dip=50.0, toolface=90.0)

@@ -13,6 +13,7 @@ from screen import NEEDS_BROWSER, Screen
 import helibore as hb
 from helibore.plot.content import Drawing, content_of
 from helibore.wall.interpolation import on_quads
+from helibore.wall.uncertainty import NORMAL_95
 
 pytestmark = NEEDS_BROWSER
 
@@ -404,6 +405,29 @@ def test_what_goes_straight_around_the_hole_is_level_from_afar(browser: Any) -> 
         assert washed.any(axis=0).all()
         assert np.ptp(tops) == 0, "its top is at one height all around"
         screen.close()
+
+
+def test_from_outside_a_wall_is_seen_through_only_where_it_is_in_doubt(browser: Any) -> None:
+    wall = MadeWall(12_800)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1005&sec=5&camera=outside", (1000, 700))
+        screen.settle()
+        views = []
+        for millimetres in (0.5, 2, 8):
+            sigma = np.full(len(wall), millimetres / 1000 / NORMAL_95)
+            viewer.scene.set_trust(np.zeros(len(wall), bool), sigma)
+            level = round(2 * np.log2(4 * millimetres))
+            screen.until(f"window.__wall.app.store.vertex(3200)?.state >> 12 === {level}")
+            screen.settle()
+            views.append((screen.pixels("wall")[..., :3] == screen.pixels("wall")[100, 5, :3]).all(axis=-1))
+        screen.close()
+    sure, fair, unsure = views
+    assert 0 < sure.mean() < 1
+    np.testing.assert_array_equal(fair, sure)
+    holes = unsure & ~sure
+    assert holes.sum() > 0.05 * (~sure).sum()
+    for dx, dy in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        assert not (holes & np.roll(holes, (dy, dx), (0, 1))).any(), "lines"
 
 
 def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: Any) -> None:

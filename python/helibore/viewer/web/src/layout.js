@@ -159,19 +159,20 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
     ink.lineJoin = 'round';
     ink.lineWidth = 3;
     ink.strokeStyle = halo;
-    ink.strokeText(text, x, y);
+    ink.strokeText(text, x, y, ink.canvas.slide?.[text]);
   }
   ink.fillStyle = colour;
-  ink.fillText(text, x, y);
+  ink.fillText(text, x, y, ink.canvas.slide?.[text]);
 }
 
-// Return the first text that fits the width; if none fits, as much of the last text as fits.
+// Return the first text that fits the width; if none fits, as much of the last text as fits, on a slide all of it, to be drawn narrower.
 /** @param {Ink} ink @param {string[]} texts @param {number} width */
 export function fitting(ink, texts, width) {
   /** @param {string} text */
   const fits = (text) => ink.measureText(text).width <= width;
   let text = texts.find(fits) ?? texts[texts.length - 1];
-  while (text.length > 1 && !fits(text)) text = `${text.replace(/…$/, '').slice(0, -1)}…`;
+  if (ink.canvas.slide && !fits(text)) ink.canvas.slide[text] = width;
+  else while (text.length > 1 && !fits(text)) text = `${text.replace(/…$/, '').slice(0, -1)}…`;
   return text;
 }
 

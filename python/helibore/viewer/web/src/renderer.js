@@ -239,7 +239,7 @@ export class Renderer {
       late(app)?.drawWallInk(ink, look, gpu, calipers);
     }
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
-    drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
+    drawLegend(ink, look, planes, picking.on || ink.canvas.slide ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }
 

@@ -200,8 +200,8 @@ void main() {
   uint state = texel(k).w;
   bool between = mode != 5 && (state & 0x800u) != 0u;
   float unsure = gap || mode == 5 ? 0.0 : between ? 0.8 : doubt(state);
-  ivec2 screen = ivec2(gl_FragCoord.xy); // what is in doubt is seen through from outside: so many of eight pixels are left out
-  if (lamp == 0.0 && float((screen.x * 3 + screen.y * 5) & 7) < 5.0 * unsure - 0.5) discard;
+  ivec2 screen = ivec2(gl_FragCoord.xy); // from outside, of two pixels of interpolated wall one is left out; of eight that are in doubt by 4 mm and more one, none beside another
+  if (lamp == 0.0 && (between ? ((screen.x + screen.y) & 1) == 0 : unsure >= 0.5 && ((screen.x * 3 + screen.y) & 7) == 0)) discard;
   float v = value(k);
   float rowsHere = fwidth(grid.y);
   float under = lamp > 0.0 && known(v) ? rowsHere : 0.0; // rows under one pixel, far along the hole: show their mean

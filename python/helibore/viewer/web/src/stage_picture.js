@@ -25,6 +25,7 @@ export function saveStage(app, kind, sharpen, save) {
   const planes = picking.planes();
   const side = slide ? 0 : sideOf(view, planes);
   if (slide) {
+    inks.slide = {};
     Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
     renderer.rects = layout(SLIDE.width, SLIDE.height - BAND, renderer.arrangement);
     renderer.gpu?.resize(SLIDE.width, SLIDE.height - BAND);
@@ -60,6 +61,7 @@ export function saveStage(app, kind, sharpen, save) {
   }
   ink.translate(inks.clientWidth, 0);
   if (side) drawSide(ink, look, planes, height - BAND);
+  delete inks.slide;
   sharpen(0);
   byId('stage').removeAttribute('style');
   app.repaint();

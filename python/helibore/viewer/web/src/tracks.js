@@ -62,7 +62,7 @@ export function drawAxisLabels(ink, look) {
   if (path.trueDepth || !view.rig) label(ink, path.trueDepth ? `${view.bent ? 'MD' : 'TVD'} ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
   const beside = rects.image.width && rects.image.left - end < 24; // whether the letters of the sides stand beside this
   if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
-  if (!view.rig) label(ink, `1:${Number(((bottom - top) / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
+  if (!view.rig && rects.image.width && !ink.canvas.slide) label(ink, `1:${Number(((bottom - top) / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
   const { values, digits } = ticks(top, bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   for (const value of values) {
     const depth = at(value);

@@ -29,7 +29,7 @@ type End = 'low' | 'high';
 
 // Boxes and strokes.
 interface Box { text: string; left: number; right: number; top: number; bottom: number; ground?: boolean } // on a ground of its own, which hides what was drawn before
-interface Canvas extends HTMLCanvasElement { labels: Box[]; strokes: Stroke[]; recorder?: Ink } // recorder: keeps what is drawn (svg.js)
+interface Canvas extends HTMLCanvasElement { labels: Box[]; strokes: Stroke[]; recorder?: Ink; slide?: Record<string, number> } // recorder: keeps what is drawn (svg.js); slide: widths of the texts that are drawn narrower on it
 type Stroke = [x0: number, y0: number, x1: number, y1: number];
 interface Ink extends CanvasRenderingContext2D { canvas: Canvas }
 interface Hatching { step: number; fill: number; rising: boolean }

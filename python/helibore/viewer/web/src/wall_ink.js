@@ -35,6 +35,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
     if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
   }
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
+  if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
