@@ -141,7 +141,7 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.querySelector('#rigBodies .name')")
         rows = screen.evaluate(ROWS)
-        assert [row[3:] for row in rows] == [["≤1.2 m", "none"], ["– not known 1005.0–1010.0 m", "none"]]
+        assert [row[3:] for row in rows] == [["≤1.2 m", "none"], ["– not known 1005–1010", "none"]]
         assert screen.evaluate(OVER) == []
         assert screen.evaluate("document.querySelectorAll('#rigBodies .old').length") == 0
         viewer.scene.update_state(bit_depth=1019.5)

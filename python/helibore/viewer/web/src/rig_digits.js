@@ -5,7 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { firstPlace, placeOn, recent, waysOf } from './rig.js';
-import { LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
+import { depthNumber, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
@@ -204,7 +204,7 @@ function writeBodies(app) {
       if (isStuck) return 'now'; // what lies ahead is looked for less often than what hangs here
       const missed = ahead.unseen?.[i]?.[side];
       const to = at === null || at === undefined || bit === null ? '' : distance((bit - at) * (side ? -1 : 1), units, isUnsure(app, i)).join(' ');
-      return missed ? (to ? `≤${to}` : `– not known ${showSpan(...missed, units)}`) : to || 'none';
+      return missed ? (to ? `≤${to}` : `– not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`) : to || 'none';
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
     const state = short > NOW || Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
