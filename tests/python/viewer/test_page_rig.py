@@ -146,6 +146,7 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         assert screen.evaluate("document.querySelectorAll('#rigBodies .old').length") == 0
         viewer.scene.update_state(bit_depth=1019.5)
         screen.until("document.querySelectorAll('#rigBodies .name.old').length === 2")
+        assert screen.evaluate("document.querySelectorAll('#rigBodies .size.old').length") == 2, "the ways are of now"
         viewer.scene.update_state(string=string | {"bit": 1019.4})
         screen.until("!document.querySelector('#rigBodies .old')")
         screen.close()

@@ -195,7 +195,8 @@ function writeBodies(app) {
   const rows = shown.map((i) => {
     const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
-    const isStuck = sticksNow(app, i);
+    const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
+    const isStuck = !isOld && sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
     const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above` : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
@@ -207,7 +208,7 @@ function writeBodies(app) {
       return missed ? (to ? `≤${to}` : `– not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`) : to || 'none';
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
-    const state = short > NOW || Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
+    const state = short > NOW || isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
     return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
   const text = JSON.stringify([rows, ahead?.moving]);
@@ -220,7 +221,7 @@ function writeBodies(app) {
   const heads = ['', 'Clearance now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
   at.replaceChildren(...heads, ...rows.flatMap(([state, note, name, ...values]) => [make('p', name, `${state} name`), ...values.map((one, i) => {
     const [digits, unit] = parts(one);
-    const value = make('p', digits, `${state} size${'none –'.includes(one) ? ' soft' : ''}`);
+    const value = make('p', digits, `${i && state === 'old' ? '' : state} size${'none –'.includes(one) ? ' soft' : ''}`);
     value.append(make('small', unit && ` ${unit}`, digits === '–' ? 'note' : ''), ...(i ? [] : [make('small', note, 'note')]));
     return value;
   })]));
