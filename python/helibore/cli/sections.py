@@ -19,6 +19,9 @@ import click
 Command = Callable[..., Any]
 Text = tuple[str, str]
 
+SHOWN = ("reconstruct", "mesh", "plot", "report", "view", "logs", "zones")
+"""The commands that take settings."""
+
 GROUPS = {
     "Source": "source", "Columns": "columns", "Reading": "reading", "Sensors": "preparation",
     "Conditioning": "preparation", "Passes": "preparation", "Path and toolface": "path", "Wall": "wall",
@@ -275,14 +278,16 @@ def _known(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -
         full = f"columns.{name}" if param.name == "column" else name
         full = _setting_name(full)
         if full not in known and full.partition(".")[0] not in families:
-            raise click.UsageError(f"{param.opts[0]} {name}: {_nearest(name, known, param)}", ctx)
+            raise click.UsageError(f"{param.opts[0]} {name}: {_nearest(ctx, name, known, param)}", ctx)
 
 
-def _nearest(name: str, known: Mapping[str, SectionOption], param: click.Parameter) -> str:
-    from helibore.cli.settings_command import commands_with
-
-    if "." in name and param.name != "column" and (others := commands_with(_setting_name(name))):
-        return f"no setting of this command, but of {', '.join(others)}"
+def _nearest(ctx: click.Context, name: str, known: Mapping[str, SectionOption], param: click.Parameter) -> str:
+    verbs = ctx.find_root().command
+    if "." in name and param.name != "column" and isinstance(verbs, click.Group):
+        commands = {verb: verbs.get_command(ctx, verb) for verb in SHOWN}
+        others = [verb for verb, each in commands.items() if each and spelled_setting(each, _setting_name(name))]
+        if others:
+            return f"no setting of this command, but of {', '.join(others)}"
     names = [each.removeprefix("columns.").replace("_", "-") for each in known if each.startswith("columns.")]
     if param.name != "column":
         names = list(known)

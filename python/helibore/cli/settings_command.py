@@ -15,14 +15,11 @@ import click
 
 from helibore.base.errors import InputError
 from helibore.cli import MODULES
-from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near, spelled_setting
+from helibore.cli.sections import FAMILIES, SHOWN, Sectioned, SectionOption, near
 from helibore.cli.setting_groups import every_group
 from helibore.cli.terminal import echo
 from helibore.settings.declared import Member, members
 from helibore.settings.groups import GROUPS
-
-SHOWN = ("reconstruct", "mesh", "plot", "report", "view", "logs", "zones")
-"""The commands that take settings."""
 
 
 def known_settings(groups: Mapping[str, type[Any]]) -> dict[str, str]:
@@ -39,22 +36,12 @@ def known_settings(groups: Mapping[str, type[Any]]) -> dict[str, str]:
     return known
 
 
-def _commands() -> dict[str, Sectioned]:
-    return {
-        verb: getattr(importlib.import_module(f"helibore.cli.{MODULES.get(verb, verb)}_command"), verb)
-        for verb in SHOWN
-    }
-
-
-def commands_with(setting: str) -> list[str]:
-    """Return the names of the commands that take a setting."""
-    return [verb for verb, command in _commands().items() if spelled_setting(command, setting)]
-
-
 def _options() -> dict[str, SectionOption]:
     """Return the options of all commands by the names of their settings."""
     found: dict[str, SectionOption] = {}
-    for command in _commands().values():
+    for verb in SHOWN:
+        module = importlib.import_module(f"helibore.cli.{MODULES.get(verb, verb)}_command")
+        command: Sectioned = getattr(module, verb)
         for each in (each for each in command.params if isinstance(each, SectionOption)):
             if each.expose_value and each.section != "Options" and (each.setting not in found or not each.rare):
                 found[each.setting] = each
