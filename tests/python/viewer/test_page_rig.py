@@ -115,7 +115,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
         assert [row[4] for row in screen.evaluate(ROWS)] == ["1.5 m", "none", "–"], "on bottom"
-        screen.until(f"({ROWS})[2][1] === '2.0 m above'")
+        screen.until("document.getElementById('rigBodies').textContent.includes('not measured')")
         screen.keyboard.press("a")
         screen.settle()
         covered = """['rigBit', 'rigBodies', 'rigAge'].filter((id) => {
@@ -257,6 +257,19 @@ def test_rig_mode_says_what_is_worst_and_where_if_nothing_is_tight_ahead(browser
         assert re.fullmatch(rf"data to {end:.1f} m, 2.\d m behind bit", screen.inner_text("#rigAgeMore"))
         assert not re.search(r"\bC[12]\b", screen.inner_text("#rig"))
         assert screen.evaluate(CLIPPED) == []
+        screen.close()
+
+
+def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None:
+    depth = np.arange(2000.0, 2024.0, 0.002)
+    depth = depth[abs(depth - 2010.0) > 2.5]
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, np.full(depth.size, 0.1085)), bit_diameter=0.216)
+    with hb.view(wall) as viewer:
+        viewer.scene.update_state(bit_depth=2024.0, hole_depth=2024.0, newest=time.time(), zones=(), zones_to=2024.0)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('not known')")
+        top, bottom = map(float, re.findall(r"[\d.]+", screen.inner_text("#rigWorstMore").removesuffix(" m")))
+        assert (top, bottom) == pytest.approx((2008.5, 2011.5), abs=0.4), "a radius has samples within a metre"
         screen.close()
 
 

@@ -5,6 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { firstPlace, placeOn, recent, waysOf } from './rig.js';
+import { turn } from './turns.js';
 import { depthNumber, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
@@ -95,6 +96,24 @@ function parts(text) {
   return [digits, unit.join(' ')];
 }
 
+const LEAST_UNSEEN = 0.5; // metres
+const BY = 0.25; // metres from one turn that is looked at to the next
+
+// Return the ends of the first stretch of hole between two depths that no sensor saw; null if there is none.
+/** @param {Store} store @param {number[]} ends @returns {Pair | null} */
+function unseenIn(store, [top, bottom]) {
+  const [level] = store.levels;
+  let from = bottom;
+  for (let depth = top; depth < bottom; depth += BY) {
+    const row = Math.floor((depth - level.startDepth) / level.pitch);
+    const isSeen = turn(store, level, row * level.sectors).some((radius) => radius > 0);
+    if (!isSeen) from = Math.min(from, depth);
+    else if (depth - from >= LEAST_UNSEEN) return [from, depth];
+    else from = bottom;
+  }
+  return null;
+}
+
 // Write the place to know first: how tight or wide it is and how sure that is, and where it is.
 /** @param {App} app @param {number[]} ends */
 function writeWorst(app, ends) {
@@ -104,8 +123,9 @@ function writeWorst(app, ends) {
   byId('rigWorstCell').className = !place ? '' : place.way || !place.zone || !alarms.isNew(place.zone) ? 'zone' : 'new';
   if (!place) {
     byId('rigWhereCell').className = '';
-    const last = `seen in ${showSpan(ends[0], ends[1], units)}`;
-    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : ['none', last];
+    const unseen = unseenIn(store, ends);
+    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen[0], unseen[1], units)}`] : ['none', `seen in ${showSpan(ends[0], ends[1], units)}`];
+    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', 'Worst place', digits, '', more);
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
@@ -185,7 +205,7 @@ function withIn({ low, high }, units) {
 const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && metres <= NOW) ? parts(showDepth(Math.max(0, metres), units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
 
 // Write a row for each of the widest bodies, in the order in which they hang: what it clears now, and how far it moves up or
-// down until it sticks. In hole that no sensor has passed, what it cleared where it last was in measured hole.
+// down until it sticks.
 /** @param {App} app */
 function writeBodies(app) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
@@ -198,7 +218,7 @@ function writeBodies(app) {
     const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
     const isStuck = !isOld && sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
-    const note = Number.isNaN(clearance) ? 'not measured' : short > NOW ? `${showDepth(short, units, 1)} above` : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
+    const note = Number.isNaN(clearance) || short > NOW ? 'not measured' : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
@@ -209,7 +229,7 @@ function writeBodies(app) {
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
     const state = short > NOW || isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
+    return [state, note, name, showSigned(short > NOW ? NaN : clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
   const text = JSON.stringify([rows, ahead?.moving]);
   const at = byId('rigBodies');
