@@ -215,6 +215,7 @@ export class Gpu {
         modelViewMatrix: this.camera.modelView(minus(this.textures(tile).path(path).origin, this.origin)),
         tube,
         shape: view.shape || 1,
+        stride: strides.rows,
         median: view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,

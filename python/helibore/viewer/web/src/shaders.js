@@ -112,7 +112,7 @@ vec3 glowing(vec3 colour, int k) {
 
 const RADII = /* glsl */ `
 uniform float shape;
-uniform int median;
+uniform int median, stride; // stride: of the rows that are drawn
 float radiusAt(int k) {
   if (k < 0 || k >= K * (rows + 1)) return -1.0;
   uvec4 t = texel(k);
@@ -135,8 +135,9 @@ float smoothRadius(int k) {
 }
 // Returns the slopes of the wall around and along the hole at a vertex, on a wall whose shape is exaggerated.
 vec2 slopes(int k, float R) {
-  float before = radiusAt(k - 1), after = radiusAt(k + 1), above = radiusAt(k - K), below = radiusAt(k + K);
-  return shape * vec2(before < 0.0 || after < 0.0 ? 0.0 : (after - before) * float(K) / 12.566 / R, above < 0.0 || below < 0.0 ? 0.0 : (below - above) / (2.0 * pitch));
+  int by = max(stride, 1) * K; // rows that are left out do not count: else every second row, if interpolated, would look smooth
+  float before = radiusAt(k - 1), after = radiusAt(k + 1), above = radiusAt(k - by), below = radiusAt(k + by);
+  return shape * vec2(before < 0.0 || after < 0.0 ? 0.0 : (after - before) * float(K) / 12.566 / R, above < 0.0 || below < 0.0 ? 0.0 : (below - above) * float(K) / (2.0 * pitch * float(by)));
 }
 float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
 `;
