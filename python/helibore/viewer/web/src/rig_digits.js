@@ -106,7 +106,8 @@ function unseenIn(store, [top, bottom]) {
   let from = bottom;
   for (let depth = top; depth < bottom; depth += BY) {
     const row = Math.floor((depth - level.startDepth) / level.pitch);
-    const isSeen = turn(store, level, row * level.sectors).some((radius) => radius > 0);
+    const first = row * level.sectors;
+    const isSeen = !level.locate(first).tile || turn(store, level, first).some((radius) => radius > 0); // what the page has not loaded yet is no gap
     if (!isSeen) from = Math.min(from, depth);
     else if (depth - from >= LEAST_UNSEEN) return [from, depth];
     else from = bottom;
