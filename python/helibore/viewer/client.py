@@ -38,7 +38,7 @@ class Client:
         """Note that vertices of the wall, cells of the overview or frames [start, stop) changed.
 
         Vertices of the wall are noted only if the page holds a tile that shows them; cells and frames are always noted.
-        If nothing was ``measured``, but it became known how sure the vertices are, the page is not told that data came.
+        If nothing was ``measured``, but it became known how sure the vertices are, no page takes it for new data.
         """
         if stop <= start:
             return

@@ -91,7 +91,7 @@ def test_two_diameters_say_that_they_know_an_offset_but_for_180_degrees(offset: 
 
 @pytest.mark.parametrize("offset", [100.0, 180.0])
 def test_of_two_angles_that_fit_nearly_alike_the_likelier_is_taken(offset: float) -> None:
-    """A faint spiral on an oval hole tells both halves apart; beside the wrong half it would be an error."""
+    """A faint spiral on an oval hole shows which half is right; beside the wrong half it would be an error."""
     one = matched((2,), offset, spiral=0.0005, lag=10, turns=22.0).functions[1]
     assert one.toolface is not None
     assert one.toolface.by_half

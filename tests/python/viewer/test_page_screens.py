@@ -168,7 +168,7 @@ def test_a_tab_without_zones_says_so(browser: Any) -> None:
     ],
 )
 def test_no_zone_names_the_limits(browser: Any, bit: float, criteria: hb.Criteria | None, words: str) -> None:
-    """So that nobody takes a slim hole for a smooth one because its lobes do not reach limits in inches."""
+    """So that nobody takes a slim hole for a smooth one because its breakouts do not reach limits in inches."""
     turns = np.arange(0.0, 100.0, 1 / 32)
     caliper = hb.Caliper(2000.0 + 0.1 * turns, 360.0 * turns % 360.0, np.full(turns.size, 0.5 * bit))
     wall = hb.reconstruct(caliper, bit_diameter=bit, sectors=16)
