@@ -18,6 +18,7 @@ constexpr double freedom = 5.0;
 constexpr double median_square = 0.455;  // of a normal deviate with variance 1
 constexpr double enough = 0.1;           // a smaller difference of the log-likelihood does not count
 constexpr double smallest = 1e-18;       // square metres; smaller squares are rounding errors
+constexpr double rounding = 1e-9;        // metres; a smaller difference of radii is a rounding error
 constexpr double near_depth = 0.15;      // metres: as far as a measured vertex may be from its sample
 constexpr std::array stretches{1.0, 16.0, 256.0};
 // With powers beyond these, noise would count as shape in a near-round hole.
@@ -33,6 +34,16 @@ double quantile_of(std::vector<double> values, double share) {
     const auto below = static_cast<std::size_t>(place);
     const std::size_t above = std::min(below + 1, values.size() - 1);
     return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+// Returns the step of quantised radii: the least difference of two that differ; 0 if all are equal.
+double step_of(std::span<const double> radius) {
+    std::vector<double> sorted(radius.begin(), radius.end());
+    std::ranges::sort(sorted);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+        if (sorted[i] - sorted[i - 1] > rounding) least = std::min(least, sorted[i] - sorted[i - 1]);
+    return std::isfinite(least) ? least : 0.0;
 }
 
 double mean_of(const std::vector<double>& values) {
@@ -66,14 +77,19 @@ struct Found {
 class Errors {
   public:
     Errors(const std::vector<double>& squares, const std::vector<double>& weights,
-           const std::array<std::vector<double>, 2>& changes)
-        : squares_(squares), weights_(weights), changes_(changes), middle_{mean_of(changes[0]), mean_of(changes[1])} {}
+           const std::array<std::vector<double>, 2>& changes, double least_noise)
+        : squares_(squares),
+          weights_(weights),
+          changes_(changes),
+          middle_{mean_of(changes[0]), mean_of(changes[1])},
+          least_noise_(least_noise) {}
 
     // Finds the likeliest parameters by damped Fisher scoring. The search starts from `near`; without one, it starts
     // from each of three values of tau^2.
     Found fit(const std::optional<Found>& near) const {
-        const double usual = logarithm(std::max(quantile_of(squares_, 0.5), smallest) / median_square);
-        const Four low{usual - 12.0, usual - 12.0, least_powers[0], least_powers[1]};
+        const double median = std::max(quantile_of(squares_, 0.5), smallest) / median_square;
+        const double usual = logarithm(std::max(median, least_noise_)), least = logarithm(least_noise_);
+        const Four low{std::max(usual - 12.0, least), usual - 12.0, least_powers[0], least_powers[1]};
         const Four high{usual + 5.0, usual + 5.0, most_powers[0], most_powers[1]};
         std::vector<Four> starts;
         if (near)
@@ -82,7 +98,7 @@ class Errors {
                               near->powers[0], near->powers[1]});
         else
             for (const double share : {0.1, 0.5, 0.9})
-                starts.push_back({usual + logarithm(share), usual + logarithm(1.0 - share), 1.0, 1.0});
+                starts.push_back({std::max(usual + logarithm(share), least), usual + logarithm(1.0 - share), 1.0, 1.0});
         double best = std::numeric_limits<double>::infinity();
         Four at = low;
         for (const Four& start : starts)
@@ -143,6 +159,7 @@ class Errors {
     const std::vector<double>& weights_;
     const std::array<std::vector<double>, 2>& changes_;
     std::array<double, 2> middle_;
+    double least_noise_;
 };
 
 std::vector<double> logarithms(std::vector<double> values) {
@@ -178,12 +195,13 @@ std::optional<Calibration> calibrate(const SampleColumns& samples, const LeftOut
     std::array<std::vector<double>, 2> changes{logarithms(std::move(scatter)), {}};
     std::optional<Found> best, last;
     double stretch = 0.0;
+    const double step = step_of(samples.radius), least_noise = std::max(smallest, step * step / 12.0);
     std::vector<double> ratios;
     for (const double of : stretches) {  // each fit starts from the result of the previous one
         std::vector<double> distance(along);
         for (std::size_t i = 0; i < distance.size(); ++i) distance[i] += of * across[i];
         changes[1] = logarithms(std::move(distance));
-        last = Errors(squares, weights, changes).fit(last);
+        last = Errors(squares, weights, changes, least_noise).fit(last);
         if (best && !(last->likelihood > best->likelihood)) continue;
         best = last, stretch = of;
         ratios.clear();

@@ -38,6 +38,8 @@ _BLOCKS, _BLOCK_SIZE = 12, 64
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
 _ROOT3 = float(np.sqrt(3.0))
 _LEAST_NOISE = 1e-12  # m^2
+_GREATEST_STEP = 0.1  # metres, of quantised radii
+_ROUNDING = 1e-9  # metres; a smaller difference of radii is a rounding error
 _SEEDING = 100_000  # samples
 
 
@@ -89,10 +91,10 @@ def content_seed(samples: Columns) -> int:
     return int.from_bytes(content.digest()[:8], "little")
 
 
-def fit_covariance(samples: Columns, step: float = 0.0) -> Covariance | None:
+def fit_covariance(samples: Columns) -> Covariance | None:
     """Fit the covariance to samples in order of depth; None if there are fewer than `FEWEST`, or all radii are equal.
 
-    ``step`` is the step of quantised radii, metres: the noise is then at least step^2 / 48.
+    If the radii are quantised, the noise is at least step^2 / 48.
     """
     depth, toolface, radius = samples
     if depth.size < FEWEST or float(np.ptp(radius)) < 1e-9:
@@ -101,7 +103,10 @@ def fit_covariance(samples: Columns, step: float = 0.0) -> Covariance | None:
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
-    values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, step**2 / 48.0), spacing)
+    steps = np.diff(np.unique(blocks[2]))
+    steps = steps[steps > _ROUNDING]
+    noise = min(float(steps.min()), _GREATEST_STEP) ** 2 / 48.0 if steps.size else 0.0
+    values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
     return covariance_of(values)
 
 

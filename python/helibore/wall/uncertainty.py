@@ -9,7 +9,8 @@
 Samples are left out with boxes as large as the empty boxes around random places (`choose_left_out`). tau, c, a, b and
 the stretch maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is
 that of the estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the absolute errors, each
-divided by its standard deviation. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at
+divided by its standard deviation. If the radii are quantised, tau^2 is at least step^2 / 12: samples with the same
+radius agree, but are not that sure. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at
 places like those of the left-out samples. Sigma is NaN in gaps of the turn (`Wall.angular_gap` above
 `Settings.largest_gap`), and at places that are farther from the samples used than 98 % of the left-out samples are, or
 half as far again but at most 0.15 m, as far as a measured vertex may be from its sample.

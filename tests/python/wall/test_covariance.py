@@ -87,10 +87,10 @@ def test_all_instruction_sets_find_the_same(count: int, size: int) -> None:
 
 def test_noise_stays_above_that_of_quantised_radii() -> None:
     depth, toolface, radius = blocks(1, 200)
-    samples = np.sort(depth), toolface, radius
-    found = fit_covariance(samples, step=0.02)
+    step = 2e-3
+    found = fit_covariance((np.sort(depth), toolface, np.round(radius / step) * step))
     assert found is not None
-    assert found.noise >= 0.02**2 / 48.0 * (1.0 - 1e-4)
+    assert found.noise >= step**2 / 48.0 * (1.0 - 1e-4)
 
 
 BAD: list[tuple[dict[str, Any], str]] = [

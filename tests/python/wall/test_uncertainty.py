@@ -73,6 +73,18 @@ def test_few_arms_cannot_tell_noise_from_shape() -> None:
     assert np.mean(abs(wall.radius - truth(wall.depth, wall.toolface))[known] <= 1.96 * wall.sigma[known]) > 0.93
 
 
+def test_equal_radii_of_a_quantised_tool_are_not_sure_for_that() -> None:
+    """In steps of 0.1 inch most samples agree with their neighbours exactly, and are wrong by up to half a step."""
+    step = 0.00254
+    smooth = caliper(noise=2e-4)
+    samples = hb.Caliper(smooth.depth, smooth.toolface, np.round(smooth.radius / step) * step)
+    wall = hb.reconstruct(samples, bit_diameter=BIT, **KRIGING)
+    sigma, error = wall.sigma, np.abs(wall.radius - truth(wall.depth, wall.toolface))
+    known = np.isfinite(sigma)
+    assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.93
+    assert sigma[known].min() > 1e-4
+
+
 def test_missing_in_gaps_of_depth_and_turn() -> None:
     """Three metres without samples, and a quarter of the turn without samples below them."""
     full = caliper()
