@@ -175,7 +175,8 @@ def logs(**options: Any) -> None:
         if dips and wall.path is not None:
             written = save_dips(wall.picks, wall.path, dips, header["well"])
             planes = f"{written} planes with a true dip, of {len(wall.picks)} picks"
-            dip_lines.append(("dips", f"{planes}; azimuths from {north_text(wall.path)}"))
+            hint = "" if wall.path.survey.north else "; path.north states it"
+            dip_lines.append(("dips", f"{planes}; azimuths from {north_text(wall.path)}{hint}"))
         for file, table in work:
             save_table(in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])

@@ -100,7 +100,13 @@ def found_stress(wall: Wall, options: dict[str, Any]) -> tuple[HorizontalStress,
         found = stress_of_picks(wall.picks, wall.path, kind, scheme, weighting, options["to_true"])
     lines = [("stress", str(found))]
     if not wall.path.survey.north and options["to_true"] is None and found.count:
-        lines.append(("", "the survey does not state its north: azimuths are taken to count from true north"))
+        lines.append(
+            (
+                "",
+                "the survey does not state its north: azimuths are taken to count from true north "
+                "(path.north states it)",
+            )
+        )
     if found.left_out:
         lines.append(
             ("", f"{found.left_out} left out: the hole is inclined by more than 20 deg, or has no azimuth there")

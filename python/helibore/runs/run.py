@@ -29,7 +29,7 @@ from helibore.base.errors import InputError
 from helibore.base.regular_file import check_regular
 from helibore.base.toml_file import read_toml
 from helibore.channels.channel_readings import note, readings
-from helibore.channels.columns import column, depths, needed, north_of
+from helibore.channels.columns import column, depths, needed
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.header_entries import log_header
 from helibore.channels.log_set import LogFile, LogSet
@@ -58,6 +58,7 @@ from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.samples.helix import WallLike, helix_of
 from helibore.settings.column_settings import Columns
 from helibore.settings.declared import Declared
+from helibore.settings.path_settings import North
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria
@@ -320,7 +321,8 @@ def read_run(
             run.built = load(settings.archive.file)
             if run.path is not None and run.built.path is not None:
                 raise InputError("survey", f"must not be given: {settings.archive.file.name} already has a path")
-            run.path = run.path or run.built.path
+            if run.built.path is not None:
+                run.path = _with_north(run.built.path, settings.path.north)
             files = run.built.made_from.get("files")
             known = [one for one in files if isinstance(one, dict) and "name" in one] if isinstance(files, list) else []
             named = ", ".join(dict.fromkeys(str(one["name"]) for one in known))
@@ -405,9 +407,9 @@ def build_wall(
         run.wall.made_from["project"] = tables
     if run.assumed:
         run.wall.made_from["toolface"] = ASSUMED
-    if (survey := run.settings.survey) is not None:
-        north = north_of(run.files.log_set(survey), survey.roles)
-        run.wall.made_from["survey"] = {"name": survey.file.name, "north": north, **_norths(settings.preparation)}
+    if (survey := run.settings.survey) is not None and run.path is not None:
+        north = {"name": survey.file.name, "north": run.path.survey.north}
+        run.wall.made_from["survey"] = north | _norths(settings.preparation)
     run.wall.path = run.path
     run.messages += _add_intervals(run)
     run.messages += add_images(run.wall, images)
@@ -457,8 +459,20 @@ def read_path(run: Run) -> None:
     survey = run.settings.survey
     if survey is not None:
         how = run.settings.path
-        run.survey = run.files.log_set(survey).survey(survey.roles)
-        run.path = run.survey.path(how.method, how.reference or "high-side", how.head, how.extend)
+        read = run.files.log_set(survey).survey(survey.roles)
+        path = _with_north(read.path(how.method, how.reference or "high-side", how.head, how.extend), how.north)
+        run.path, run.survey = path, path.survey
+
+
+def _with_north(path: WellPath, north: North | None) -> WellPath:
+    """Return the path with the north that the settings state for a survey which states none."""
+    survey = path.survey
+    if north is None or north == survey.north:
+        return path
+    if survey.north:
+        raise InputError("path.north", f"must be left out: the survey states {survey.north} north", north)
+    stated = Survey(survey.depth, survey.inclination, survey.azimuth, north=north)
+    return stated.path(path.method, path.reference, path.head, path.extend)
 
 
 def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Settings:
@@ -661,6 +675,8 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
         for sentence in (*log.remarks, *(note(role) for role in one.roles.all(*roles))):
             yield "", sentence
         if label == "survey" and run.survey is not None:
+            if not run.survey.north:
+                yield "", "azimuths: north not stated; path.north=true, magnetic or grid states it"
             yield from _first_station(log, one.roles, run.survey, run.settings.path.head)
             steepest = float(run.survey.inclination.max())
             if run.assumed and run.reference == "high-side" and steepest < NEARLY_VERTICAL:

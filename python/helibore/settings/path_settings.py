@@ -23,6 +23,9 @@ class PathSettings(Declared, group="path"):
         "Direction of toolface 0 of the wall. Without a survey it states this direction. None: the high side if there "
         "is a path, else not known.",
     ] = None  # fmt: skip
+    north: Annotated[North | None, Option("as the survey states"),
+        "Which north the azimuths of the survey count from, if the survey does not state it.",
+    ] = None  # fmt: skip
     head: Annotated[tuple[float, float, float], METRES, ALL_FINITE, Option("0,0,0", metavar="NORTH,EAST,DOWN"),
         "North, east and down of the first station.",
     ] = (0.0, 0.0, 0.0)  # fmt: skip

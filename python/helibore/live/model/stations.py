@@ -30,6 +30,7 @@ class Stations:
         self._settings: dict[str, Any] = {
             name: getattr(path, name) for name in ("method", "reference", "head", "extend")
         }
+        self._north = path.north or ""
         self._core = _core.Stations(**self._settings)
         self._survey: Survey | None = None
         self._path: Path | None = None
@@ -70,7 +71,7 @@ class Stations:
     def survey(self) -> Survey | None:
         """The survey of all stations that have come; None while there are fewer than two stations."""
         if self._survey is None and len(self) > 1:
-            self._survey = Survey(*self.columns)
+            self._survey = Survey(*self.columns, north=self._north)
         return self._survey
 
     @property
