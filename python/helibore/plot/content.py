@@ -238,7 +238,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     sure = _uncertainty(wall, top, bottom, drawing.size_unit)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
     room = ROOM - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
-    for track in scalars:  # curves get narrower first, then images, and at last the paper gets wider
+    for track in scalars:  # curves get narrower first, then images; pages then narrow all tracks, rolls are wider
         track.width = min(track.width, max(NARROW_CURVE, (room - NARROW_IMAGE * count) / len(scalars) - 2.0))
     tracks += scalars
     room -= sum(track.width + 2.0 for track in scalars)

@@ -21,27 +21,29 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
-from helibore.base.colors import DIP_TITLES
 from helibore.base.harmless import in_html
 from helibore.base.units import BARREL
 from helibore.logs.intervals import interval_table, outside_text, tracks_of
-from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import NO_UNCERTAINTY, RANGED, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
 from helibore.logs.zones import SIZES
+from helibore.plot.cells import in_depth_unit, in_unit, number
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.depth_scales import multiples
 from helibore.plot.diameters import Diameters
 from helibore.plot.log import pages_of
 from helibore.plot.paper import MM, rendered
+from helibore.plot.pick_pages import in_interval, nets, table_head, table_note, table_row
 from helibore.plot.print_header import HEADER, facts, measured_text, sentence, toolface_text
 from helibore.plot.stress_rose import stress_rose
-from helibore.plot.tracks import LENGTHS, LETTERS, zone_look
+from helibore.plot.tracks import LETTERS, zone_look
 from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from helibore.logs.cement_sheet import CementSheet
     from helibore.logs.stress import HorizontalStress
     from helibore.logs.zones import Classification, Zone
@@ -189,22 +191,6 @@ def pairs(rows: Iterable[tuple[str, str]]) -> str:
     return f"<table><tbody>{''.join(lines)}</tbody></table>"
 
 
-def number(value: float, decimals: int = 3) -> str:
-    """Return a number as text; "" if it is missing: the page shows an empty cell in grey."""
-    return f"{round(value, decimals) + 0.0:,.{decimals}f}" if math.isfinite(value) else ""  # + 0.0: never "-0.0"
-
-
-def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
-    """Return a length as text, in the drawing's unit of diameters: one decimal in mm, ``inch_decimals`` in inches."""
-    unit = content.drawing.size_unit
-    return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
-
-
-def in_depth_unit(depth: float, content: Content, decimals: int = 2) -> str:
-    """Return a depth or a length along the hole in the unit that the picture has for depths."""
-    return number(depth / content.drawing.depth_unit.metres, decimals)
-
-
 def intervals(content: Content) -> list[WallSummary]:
     """Return the summaries of the parts of the interval between multiples of a round length."""
     length = content.bottom - content.top
@@ -246,15 +232,13 @@ def _summary(content: Content) -> str:
 
 def _pictures(content: Content) -> str:
     figures = []
-    for at, figure in enumerate(pages_of(content, PAPER), 1):
+    for at, figure in enumerate(pages_of(content, PAPER, picks=False), 1):
         words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"
         width = figure.get_size_inches()[0] * MM
-        picture = base64.b64encode(rendered([figure], ".png")).decode()
-        shown = f'<img style="width:{width:g}mm" alt="{in_html(words)}" src="data:image/png;base64,{picture}">'
         # On A4 at 100 %, a picture 210 mm wide is printed at its true size; a wider picture is shrunk, so its scale is
         # not true.
         wide = f"<figcaption>{width:g} mm wide: on narrower paper the depth scale is not true.</figcaption>"
-        figures.append(f"<figure>{shown}{wide if width > PAPER[0] + 1e-6 else ''}</figure>")
+        figures.append(_figure(figure, words, width, wide if width > PAPER[0] + 1e-6 else ""))
     return "\n".join(figures)
 
 
@@ -362,10 +346,7 @@ def _stress(found: HorizontalStress) -> str:
     if found.left_out:
         rows.append(("Left out", f"{found.left_out}: the hole is inclined by more than 20°, or has no azimuth there"))
     figure = stress_rose(found)
-    picture = base64.b64encode(rendered([figure], ".png")).decode()
-    words = f"Rose of SHmax and {found.count} features by depth"
-    shown = f'<img style="width:150mm" alt="{words}" src="data:image/png;base64,{picture}">'
-    return f"{pairs(rows)}<figure>{shown}</figure>"
+    return pairs(rows) + _figure(figure, f"Rose of SHmax and {found.count} features by depth")
 
 
 def _zones(zones: Classification | None, content: Content) -> str:
@@ -410,34 +391,19 @@ def _toolface(content: Content) -> str:
 
 def _picks(content: Content) -> str:
     """Return the table of the picks in the interval, sorted by depth, as HTML."""
-    wall = content.wall
-    picks = sorted(
-        (pick for pick in wall.picks if content.top <= pick.depth <= content.bottom), key=lambda one: one.depth
-    )
+    picks = in_interval(content)
     if not picks:
         return "<p>None.</p>"
-    head = (
-        "Class",
-        f"MD [{content.drawing.depth_unit.name}]",
-        DIP_TITLES["true"],
-        "Azimuth [°]",
-        DIP_TITLES["apparent"],
-        "Toolface [°]",
-        "Opening [°]",
-        "Note",
-    )
-    rows = []
-    for pick in picks:
-        dip, azimuth = pick.dip(wall.path)
-        box = pick.kind == BREAKOUT
-        own = ("–", number(pick.toolface, 0), number(pick.opening, 0)) if box else (
-            number(pick.apparent_dip, 1), number(pick.toolface, 0), "–")  # fmt: skip
-        dips = (number(dip, 1) or "–", number(azimuth, 0) or "–")
-        rows.append([pick.kind, in_depth_unit(pick.depth, content), *dips, *own, pick.note or "–"])
-    known = "Azimuths count from north."
-    if wall.path is None:
-        known = "Without a survey, dip and azimuth are not known."
-    return f"<p>{known} {_toolface(content)}</p>" + table(head, rows)
+    rows = [table_row(pick, content) for pick in picks]
+    shown = "" if (drawn := nets(content)) is None else _figure(drawn, "Stereonet and rose of the planes")
+    return f"{shown}<p>{in_html(table_note(content))}</p>" + table(table_head(content), rows)
+
+
+def _figure(figure: Figure, words: str, width: float = 150.0, caption: str = "") -> str:
+    """Return a figure as HTML, ``width`` millimetres wide."""
+    picture = base64.b64encode(rendered([figure], ".png")).decode()
+    shown = f'<img style="width:{width:g}mm" alt="{in_html(words)}" src="data:image/png;base64,{picture}">'
+    return f"<figure>{shown}{caption}</figure>"
 
 
 def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:

@@ -20,9 +20,10 @@ from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.interval_tracks import tops_across
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
+from helibore.plot.pick_pages import pick_parts
 from helibore.plot.print_header import draw_footer, draw_header, footer_height, header_height
 from helibore.plot.solid import draw_solid
-from helibore.plot.tracks import HEAD, Stretch
+from helibore.plot.tracks import HEAD, PlacedTrack, Stretch
 from helibore.plot.zone_list import draw_zones, zone_list_height
 
 if TYPE_CHECKING:
@@ -74,7 +75,8 @@ def log(wall: Wall, **options: Any) -> Figure:
     content = content_of(wall, Drawing(**options))
     length = content.paper_length()
     tail = _tail(content, _width(content))
-    below = GAP + sum(usual for _, usual, _, _ in tail) + footer_height(content)
+    picks = pick_parts(content, math.inf)
+    below = GAP + sum(usual for _, usual, _, _ in tail) + sum(tall + GAP for tall, _ in picks) + footer_height(content)
     height = MARGIN + header_height(content) + HEAD + length + below + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
@@ -82,6 +84,8 @@ def log(wall: Wall, **options: Any) -> Figure:
     for _, usual, _, draw in tail:
         draw(sheet, content, y + GAP, usual)
         y += usual
+    for _, draw_picks in picks:
+        draw_picks(sheet, y + 2 * GAP)
     draw_footer(
         sheet, content, MARGIN, height - MARGIN, part=content.drawing.depth_unit.ends(content.top, content.bottom)
     )
@@ -96,7 +100,8 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
     wall, **options
         As in `log`.
     paper
-        ``"a4"``, ``"a3"``, or width and height in millimetres. It becomes wider if the tracks need it.
+        ``"a4"``, ``"a3"``, or width and height in millimetres. Tracks that do not fit become narrower; if they do not
+        fit at their least widths, A4 and A3 lie on their side, and at last the paper becomes wider.
 
     Returns
     -------
@@ -111,15 +116,19 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
     return pages_of(content_of(wall, Drawing(**options)), paper)
 
 
-def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]:
-    """Draw ``content`` on pages of a size, as `pages` describes."""
+def pages_of(content: Content, paper: str | tuple[float, float], *, picks: bool = True) -> list[Figure]:
+    """Draw ``content`` on pages of a size, as `pages` describes; with ``picks``, those have pages of their own."""
     if isinstance(paper, str):
         check_choice("paper", paper, PAPERS)
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
+    least = 2 * MARGIN + sum(track.least + GAP for track in content.tracks) - GAP
+    if isinstance(paper, str) and least > width:
+        width, height = height, width
     least = 2 * MARGIN + header_height(content) + HEAD + LEAST_LENGTH + footer_height(content)
     if not (math.isfinite(width) and least <= height < math.inf):
         rule = f"must be finite, and at least {math.ceil(least)} mm high for the header, the heads and the foot"
         raise InputError("paper", rule, f"{width:g} x {height:g} mm", "print.paper")
+    _fit(content.tracks, width - 2 * MARGIN)
     width = max(width, _width(content))
     free = height - MARGIN - footer_height(content)
     parts = _divided(content, free - MARGIN - HEAD)
@@ -141,9 +150,22 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
         taken = min(max(free - y - GAP, least), most)
         draw(sheets[-1], content, y + GAP, taken)
         y += taken
+    for _, draw_picks in pick_parts(content, free - MARGIN) if picks else ():
+        sheets.append(Sheet(width, height, content.drawing.dpi))
+        ends.append("")
+        draw_picks(sheets[-1], MARGIN)
     for number, (sheet, part) in enumerate(zip(sheets, ends, strict=True), 1):
         draw_footer(sheet, content, MARGIN, sheet.height - MARGIN, f"page {number} of {len(sheets)}", part)
     return [sheet.figure for sheet in sheets]
+
+
+def _fit(tracks: list[PlacedTrack], room: float) -> None:
+    """Narrow tracks that take more than ``room`` millimetres, each by the same share of what it may lose."""
+    free = room - GAP * (len(tracks) - 1)
+    over = sum(track.width for track in tracks) - free
+    share = over / max(sum(track.width - track.least for track in tracks), 1e-9)
+    for track in tracks if over > 0 else ():
+        track.width -= min(share, 1.0) * (track.width - track.least)
 
 
 def _width(content: Content) -> float:

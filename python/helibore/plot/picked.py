@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from helibore.base.arrays import Floats
 from helibore.base.colors import DIP_LINES, DIP_TITLES, PICK_COLORS
 from helibore.logs.picks import BREAKOUT, PLANES, Pick
 from helibore.plot.paper import INK, LEAST, SMALL, Sheet
@@ -44,10 +45,10 @@ def tadpole(kind: str, size: float) -> dict[str, Any]:
 class DipTrack:
     """The track with a tadpole for each plane that was picked."""
 
-    width = least = 24.0
+    width, least = 24.0, 20.0
 
     def __init__(self, picks: Sequence[Pick], path: Path | None, reference: str = "") -> None:
-        self.planes = [(pick, *_attitude(pick, path)) for pick in picks if pick.kind in PLANES]
+        self.planes = [(pick, *attitude(pick, path)) for pick in picks if pick.kind in PLANES]
         self.known = path is not None
         self.tail = "dip azimuth, N up" if self.known else f"toolface, {SIDES[reference][0]} up"
 
@@ -88,15 +89,28 @@ class DipTrack:
         return axes
 
 
-def _attitude(pick: Pick, path: Path | None) -> tuple[float, float]:
+def attitude(pick: Pick, path: Path | None) -> tuple[float, float]:
+    """Return true dip and its azimuth; without a path, apparent dip and the toolface at which the plane is deepest."""
     return (pick.apparent_dip, pick.toolface) if path is None else pick.dip(path)
+
+
+def radius_of(pick: Pick, bit_diameter: float) -> float:
+    """Return the radius of the hole where a pick was made; of the bit if it is not known."""
+    return 0.5 * bit_diameter if pick.radius is None else pick.radius
+
+
+def plane_depth(pick: Pick, radius: float, toolface: Floats) -> Floats:
+    """Return the depths at which a plane cuts a round hole, at some toolfaces."""
+    height = radius * math.tan(math.radians(pick.apparent_dip))
+    depth: Floats = pick.depth + height * np.cos(np.radians(toolface - pick.toolface))
+    return depth
 
 
 def draw_picks(axes: Axes, picks: Sequence[Pick], left: float, bit_diameter: float) -> None:
     """Draw the curves of planes and the boxes of breakouts on an image whose left edge is toolface ``left``."""
     toolface = np.linspace(0.0, 360.0, 181)
     for pick in picks:
-        radius = 0.5 * bit_diameter if pick.radius is None else pick.radius
+        radius = radius_of(pick, bit_diameter)
         color = PICK_COLORS[pick.kind]
         if pick.kind == BREAKOUT:
             side = 0.5 * pick.height * np.array([-1, -1, 1, 1, -1])
@@ -104,8 +118,7 @@ def draw_picks(axes: Axes, picks: Sequence[Pick], left: float, bit_diameter: flo
             edge = 0.5 * pick.opening * np.array([-1, 1, 1, -1, -1]) + lean + (pick.toolface - left) % 360
             lines = [(edge + turn, pick.depth + side) for turn in (-360, -180, 0, 180, 360)]
         else:
-            height = radius * math.tan(math.radians(pick.apparent_dip))
-            lines = [(toolface, pick.depth + height * np.cos(np.radians(toolface + left - pick.toolface)))]
+            lines = [(toolface, plane_depth(pick, radius, toolface + left))]
         for across, depth in lines:
             axes.plot(across, depth, color="white", linewidth=1.8, zorder=5)
             axes.plot(across, depth, color=color, linewidth=0.9, dashes=DASHES.get(pick.kind, (None, None)), zorder=6)

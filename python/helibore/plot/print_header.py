@@ -36,6 +36,8 @@ SIDES_TEXT = {
     "parallel-transport": "0° to 270°: toolfaces from north at the top of the path, without twist",
     "": "0° to 270°: toolfaces as the samples count them, clockwise looking downhole",
 }
+STATES_NORTH = "path.north states it"
+"""What the reader of a print can do about a north that the survey does not state."""
 WARNING = "#b3261e"
 HEADER = {
     "company": "Company", "field": "Field", "location": "Location", "service": "Service co.", "run": "Run",
@@ -118,9 +120,24 @@ def survey_text(content: Content) -> str:
     """Return as text the survey file that the path comes from, and which north its azimuths count from, if known."""
     noted = content.wall.made_from.get("survey")
     survey = noted if isinstance(noted, dict) else {}
-    north = f"azimuths from {survey['north']} north" if survey.get("north") else "north not stated"
+    stated = _north(content)
+    north = f"azimuths from {stated} north" if stated else f"north not stated ({STATES_NORTH})"
     north += "".join(f", {name} {survey[name]:+g} deg" for name in ("declination", "convergence") if name in survey)
     return f"{survey['name']}: {north}" if survey.get("name") else north
+
+
+def north_of_picks(content: Content) -> str:
+    """Return as text which north the dip azimuths of picks count from."""
+    if content.wall.path is None:
+        return "without a survey, dip and azimuth are not known"
+    north = _north(content)
+    stated = f"{north} north" if north else f"a north that is not stated ({STATES_NORTH})"
+    return f"dip azimuths count from {stated}"
+
+
+def _north(content: Content) -> str:
+    path = content.wall.path
+    return "" if path is None else path.survey.north
 
 
 def header_height(content: Content) -> float:

@@ -3,21 +3,26 @@
     tube x 10     the diameter is drawn ten times larger than the depth
     shape x 3     the difference of radius and bit size is drawn three times larger than the tube
 
-Where the wall has no radius, the body is grey and has the median radius. ``shading`` draws the pixels.
+Where the wall has no radius, the body is grey and has the median radius. Planes that were picked, and the tops of named
+intervals, are lines on the side that faces the viewer. ``shading`` draws the pixels.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.colors import PICK_COLORS, TOP_COLOR
 from helibore.base.errors import InputError
+from helibore.logs.picks import PLANES
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines
 from helibore.plot.hatching import HATCH, NO_DATA, faded, rgb
-from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
+from helibore.plot.paper import FAINT, FONT, INK, LEAST, SMALL, USUAL, Sheet
+from helibore.plot.picked import DASHES, attitude, plane_depth, radius_of
 from helibore.plot.shading import View, shade
 
 if TYPE_CHECKING:
@@ -158,6 +163,7 @@ def draw_solid(
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="none")
+    _draw_rings(axes, wall, one, body.reshape(-1, sectors), view)
     _draw_depth_axis(axes, one, unit)
     ends = " to ".join(f"{depth / unit.metres:.0f}" for depth in one.depth)
     title = f"{ends} {unit.name}, coloured by {name}"
@@ -166,6 +172,40 @@ def draw_solid(
     words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°; bar right of the tracks"
     sheet.text(x + 0.5 * width, y + 6.5, words, SMALL, within=width, ha="center", color=FAINT)
     return axes
+
+
+def _draw_rings(axes: Axes, wall: Wall, one: Stretched, radius: Floats, view: View) -> None:
+    """Draw the front of the picked planes, each with its dip, and of the tops, each with its name."""
+    bit, (top, bottom), pitch = wall.settings.bit_diameter, one.depth, wall.settings.pitch
+    toolface = view.facing + np.arange(-90.0, 91.0, 3.0)
+    around = ((toolface - wall.settings.start_toolface) / 360 * radius.shape[1]).round().astype(int)
+    smooth = np.mean([np.roll(radius, turn, axis=1) for turn in range(-2, 3)], axis=0)  # the body is smooth, too
+    first = wall.start_depth + one.first // radius.shape[1] * pitch
+
+    def ring(depth: Floats, text: str, color: str, side: int = 1, **look: Any) -> None:
+        if not (depth.min() >= top and depth.max() <= bottom):
+            return
+        turns = np.clip(np.round((depth - first) / pitch).astype(int), 0, len(radius) - 1)
+        reach = view.tube * (0.5 * bit + view.shape * (smooth[turns, around % radius.shape[1]] - 0.5 * bit))
+        psi = np.radians(toolface - view.facing)
+        across, down = -reach * np.sin(psi), depth + reach * np.cos(psi) * math.tan(math.radians(view.tilt))
+        axes.plot(across, down, color="white", linewidth=2.0, zorder=5)
+        axes.plot(across, down, color=color, linewidth=1.1, zorder=6, **look)
+        end = int((side * across).argmax())
+        place: dict[str, Any] = {"va": "center", "size": LEAST, "family": FONT, "color": color, "clip_on": False}
+        away = side * 0.02 * float(np.diff(axes.get_xlim())[0])
+        axes.text(across[end] + away, down[end], text, ha="left" if side > 0 else "right", **place)
+
+    for pick in wall.picks:
+        if pick.kind in PLANES:
+            dip, towards = attitude(pick, wall.path)
+            text = f"{dip:.0f}° apparent" if wall.path is None else f"{dip:.0f}°"
+            text += f" to {towards:.0f}°" if wall.path is not None and math.isfinite(towards) else ""
+            depth = plane_depth(pick, radius_of(pick, bit), toolface)
+            ring(depth, text, PICK_COLORS[pick.kind], dashes=DASHES.get(pick.kind, (None, None)))
+    for each in wall.intervals:
+        if not each.track and each.start is not None:
+            ring(np.full(toolface.shape, each.start), each.name, TOP_COLOR, side=-1)
 
 
 def _draw_depth_axis(axes: Axes, one: Stretched, unit: DepthUnit) -> None:

@@ -204,7 +204,7 @@ class CaliperTrack:
         (turns,), 1 where most of a turn is interpolated, which is hatched, else 0; None: nothing is hatched.
     """
 
-    width = least = 40.0
+    width, least = 40.0, 32.0
 
     def __init__(
         self,
@@ -233,23 +233,25 @@ class CaliperTrack:
         head_title(sheet, x, y + 2.5, self.width, title)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
         row = y + 6.3
-        bit = f"bit size {length_text(self.bit, self.unit)}"
-        self._key(sheet, x + 1, row, bit, 17.0 if self.basis == "azimuthal" else 31.0, color=INK, dashes=(4, 2))
+        bit = f"bit {'size ' if self.width > 39 else ''}{length_text(self.bit, self.unit)}"
+        line, right = 0.15 * self.width, x + 0.525 * self.width
+        room = self.width - line - 3.0 - (13.0 if self.basis == "azimuthal" else 0.0)
+        self._key(sheet, x + 1, row, bit, room, line, color=INK, dashes=(4, 2))
         if self.basis == "azimuthal":
-            self._key(sheet, x + 27, row, "least", 5.8, 4.0, **LEAST_LINE)
+            self._key(sheet, x + self.width - 12.0, row, "least", 5.8, 4.0, **LEAST_LINE)
         row += 3.5
         self._key(sheet, x + 1, row, "by area", 12.0, color=AREA)
-        self._fill_key(sheet, x + 21, row, "under", "under bit")
+        self._fill_key(sheet, right, row, "under", "under bit")
         if self.curves:
             row += 3.5
         for number, name in enumerate(self.curves):
-            at = x + 1 + number * 9.6
-            sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
-            sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
+            at = x + 1 + number * 0.24 * self.width
+            sheet.line((at, at + 3.0), (row, row), linewidth=0.9, **CURVES[name])
+            sheet.text(at + 3.4, row, self.names.get(name, name), 5.2, within=0.24 * self.width - 3.6)
         row += 3.5
         self._fill_key(sheet, x + 1, row, "over", "bit to C2" if self.basis == "azimuthal" else "over bit")
         if self.basis == "azimuthal":
-            self._fill_key(sheet, x + 21, row, "partly over", "C2 to C1")
+            self._fill_key(sheet, right, row, "partly over", "C2 to C1")
         low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
@@ -260,7 +262,7 @@ class CaliperTrack:
 
     def _fill_key(self, sheet: Sheet, x: float, row: float, fill: str, text: str) -> None:
         sheet.box(x, row - 1.1, 3, 2.2, facecolor=FILL_COLORS[fill], edgecolor=RULE, linewidth=0.3)
-        sheet.text(x + 4, row, text, 5.2, within=14)
+        sheet.text(x + 4, row, text, 5.2, within=0.475 * self.width - 5.0)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the curves; hatched where a turn has no radius at all, or is mostly interpolated."""
@@ -434,7 +436,8 @@ class ImageTrack:
         color_bar(sheet, scale, x + 1.0, y + 9.0, self.width - 2.0, shares=shown.shares)
         sheet.lines_of_text(middle, y + 17.4, shown.note, 5.6, room, 2, ha="center", color=FAINT)
         first = round(self.left / 90.0)
-        for place in range(5):
+        every = 2 if self.width < 24.0 and SIDES[self.reference][0] == "0°" else 1
+        for place in range(0, 5, every):
             at, side = x + place * self.width / 4, SIDES[self.reference][(first + place) % 4]
             inward = {0: 0.9, 4: -0.9}.get(place, 0.0)
             ha = {0: "left", 4: "right"}.get(place, "center")

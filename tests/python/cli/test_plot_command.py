@@ -253,11 +253,15 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
     template.write_text('[[track]]\nkind = "caliper"\nwidth = 1000\n')
     near = tmp_path / "near.toml"
     near.write_text(template.read_text().replace("1000", "473"))  # 210.3 mm
-    wide = ("--template", template)
+    many = tmp_path / "many.toml"
+    curve = '[[track]]\nkind = "caliper"\n[[track]]\nkind = "image"\nname = "Radius"\n'
+    many.write_text(curve * 9)
+    wide = ("--template", many)
     for more, said in (
         ((), "297 mm"),
         (("--template", near), "210 x 297 mm"),
-        (wide, "297 mm, wider than A4: if the page"),
+        (("--template", template), "210 x 297 mm"),
+        (wide, "210 mm, wider than A4: if the page"),
     ):
         result = run_cli(archive, "-o", tmp_path / "log.pdf", "--dpi", 50, "--no-body", *more)
         assert result.exit_code == 0, result.output
@@ -335,7 +339,10 @@ def test_an_average_caliper_of_another_interval_or_without_values_is_named(
 
 @pytest.mark.parametrize(
     ("azimuth", "said"),
-    [("azimuth_deg", "north not stated"), ("azimuth grid north_deg", "azimuths from grid north")],
+    [
+        ("azimuth_deg", "north not stated (path.north states it)"),
+        ("azimuth grid north_deg", "azimuths from grid north"),
+    ],
 )
 def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: Path, azimuth: str, said: str) -> None:
     survey = tmp_path / "survey.csv"
@@ -344,6 +351,12 @@ def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: P
     result = run_cli(*made, "--column", f"azimuth={azimuth}", "-o", tmp_path / "log.svg", "--no-body")
     assert result.exit_code == 0, result.output
     assert f"<!-- survey.csv: {said} -->" in (tmp_path / "log.svg").read_text()
+    stated = (*made, "--column", f"azimuth={azimuth}", "-o", tmp_path / "log.svg", "--no-body", "-s", "path.north=true")
+    result = run_cli(*stated)
+    if "grid" in azimuth:
+        assert "path.north = true: must be left out: the survey states grid north" in result.output
+    else:
+        assert "<!-- survey.csv: azimuths from true north -->" in (tmp_path / "log.svg").read_text()
 
 
 ASSUMED = "from high-side, since no reference is stated (path.reference=north states one)"

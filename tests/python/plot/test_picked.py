@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import functools
+import operator
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from plotted_wall import plotted_wall
+from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
 from helibore import plot
-from helibore.base.colors import PICK_COLORS
+from helibore.base.colors import PICK_COLORS, TOP_COLOR
 from helibore.logs.picks import PLANES, Pick
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.hatching import HATCH_BYTES
 from helibore.plot.html_report import page
+from helibore.plot.paper import MM
+from helibore.plot.pick_pages import table_row
 from helibore.plot.picked import DipTrack
 from helibore.plot.shading import View, shade
 from helibore.plot.tracks import CaliperTrack, DepthTrack, ImageTrack, ScalarTrack
@@ -41,7 +48,10 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     figure = hb.plot.log(wall, polar=(), body=())
     wall.path = None
     lines = [line for axes in figure.axes for line in axes.lines]
-    (head,) = [line for line in lines if line.get_marker() == "o"]
+    head, pole = [line for line in lines if line.get_marker() == "o"]
+    assert np.hypot(pole.get_xdata()[0], pole.get_ydata()[0]) == pytest.approx(
+        np.sqrt(2) * np.sin(np.radians(BED.dip(wall_path())[0] / 2))
+    )
     assert (head.get_xdata()[0], head.get_ydata()[0]) == pytest.approx((BED.dip(wall_path())[0], 2010.0))
     (curve, *_others) = [line for line in lines if np.size(line.get_xdata()) == 181 and line.get_color() != "white"]
     across, depth = curve.get_data()
@@ -53,7 +63,7 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     assert edges == [-30.0, 150.0, 330.0, 510.0, 690.0], "both sides, and what crosses the edge of the image"
     texts = [text.get_text() for text in figure.texts]
     assert {"True dip [°]", "tail: dip azimuth, N up", "Picks:"} <= set(texts)
-    assert texts.count("bed") == 2, "its symbol and its colour"
+    assert texts.count("bed") == 3, "its symbol, its colour, and its row in the table"
     assert "fault" not in texts, "none of it lies in the interval"
 
 
@@ -79,10 +89,11 @@ def test_tadpoles_have_the_colour_of_their_class_and_stay_whole(wall: hb.Wall) -
     wall.picks, kept = type(wall.picks)(steep), wall.picks
     figure = hb.plot.log(wall, polar=(), body=())
     wall.picks = kept
-    (axes,) = [axes for axes in figure.axes if any(line.get_marker() == "D" for line in axes.lines)]
+    axes, net = [axes for axes in figure.axes if any(line.get_marker() == "D" for line in axes.lines)]
+    assert len([line for line in net.lines if line.get_marker() in ("o", "s", "D", "^")]) == 5
     heads = [line for line in axes.lines if line.get_marker() in ("o", "s", "D", "^")]
     drawn = [line for line in figure.artists if isinstance(line, Line2D)]
-    legend = [line for line in drawn if line.get_marker() in ("o", "s", "D", "^")]
+    legend = [line for line in drawn if line.get_marker() in ("o", "s", "D", "^")][: len(PLANES)]
     for shown in (heads, legend):
         assert [line.get_markeredgecolor() for line in shown] == [PICK_COLORS[kind] for kind in PLANES]
         assert [line.get_markerfacecolor() == "white" for line in shown] == [False, True, False, True, False]
@@ -160,3 +171,89 @@ def test_the_body_is_hatched_where_it_lies_between_arms_and_nowhere_else() -> No
     bright = differs & (plain[..., :3].min(axis=2) > 0.85)
     assert bright.sum() > 300
     assert HATCH_BYTES[0] - 1 <= 255 * hatched[bright][:, :3].min() < HATCH_BYTES[0] + 25
+
+
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.findobj(Text)]
+
+
+def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall: hb.Wall) -> None:
+    """A table, the poles and the strikes; the picks outside the interval are not there."""
+    survey = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2, north="grid")
+    wall.path = survey.path()
+    figures = plot.pages(wall, polar=(), body=(), scale=200, dpi=50)
+    content = content_of(wall, Drawing(polar=(), body=(), scale=200))
+    dip, azimuth = BED.dip(wall.path)
+    wall.path = None
+    said = words(figures[-1])
+    assert not {"Poles of planes", "Strikes"} & {text for figure in figures[:-1] for text in words(figure)}
+    assert {"Poles of planes", "lower hemisphere, equal area", "Strikes", "N", "E", "S", "W", "bed: 1"} <= set(said)
+    assert {"2,010.00", "2,005.00", f"{dip:.1f}", f"{azimuth:.0f}", "60.0", "by hand"} <= set(said)
+    assert "2,050.00" not in said
+    assert any(text.startswith("Dip azimuths count from grid north.") for text in said)
+    row = table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, misfit=0.0042, points=6, note="open"), content)
+    assert row[-2:] == ["4.2, 6 points", "open"]
+    bars = [patch.get_xy() for axes in figures[-1].axes for patch in axes.patches]
+    ends = sorted(float(np.degrees(np.arctan2(*bar.mean(axis=0))) % 360) for bar in bars)
+    strike = (azimuth - 90) % 180
+    assert len(ends) == 2
+    assert [abs(end - strike - turn) < 6 for end, turn in zip(ends, (0, 180), strict=True)] == [True, True]
+
+
+def test_many_picks_fill_pages_and_none_is_lost() -> None:
+    wall = plotted_wall()
+    wall.picks += [Pick(kind="bed", depth=2000.5 + 0.1 * at, toolface=9.0, apparent_dip=5.0) for at in range(150)]
+    figures = plot.pages(wall, polar=(), body=(), scale=500, dpi=50)
+    depths = [f"{2000.5 + 0.1 * at:,.2f}" for at in range(150)]
+    rows = [[text for text in words(figure) if text in depths] for figure in figures]
+    assert functools.reduce(operator.iadd, rows, []) == depths, "in their order, each once"
+    assert [bool(row) for row in rows] == [False, True, True, True]
+    assert [figure.get_size_inches() * MM == pytest.approx([210, 297]) for figure in figures] == [True] * 4
+
+
+def test_tracks_that_do_not_fit_on_a4_become_narrower_at_the_same_scale(wall: hb.Wall) -> None:
+    wall.intervals, wall.path = (hb.Interval("Hugin", 2004.0),), wall_path()
+    images = dict(wall.images)
+    for count, paper in ((1, (210, 297)), (7, (297, 210))):
+        wall.images.update({f"GR{at}": replace_name(wall.images["GR"], f"GR{at}") for at in range(count)})
+        content = content_of(wall, Drawing(polar=(), body=(), scale=200))
+        before = sum(track.width + 2.0 for track in content.tracks) - 2.0
+        assert before > 190, "they do not fit"
+        figures = plot.pages(wall, polar=(), body=(), scale=200, dpi=50)
+        assert [tuple(figure.get_size_inches() * MM) == pytest.approx(paper) for figure in figures] == [True] * len(
+            figures
+        )
+        depth = figures[0].axes[0]
+        box, (bottom, top) = depth.get_position(), depth.get_ylim()
+        assert box.height * figures[0].get_size_inches()[1] * MM == pytest.approx((bottom - top) * 5)
+        boxes = sorted(
+            (axes.get_position() for axes in figures[0].axes if axes.get_ylim() == (bottom, top)),
+            key=lambda one: one.x0,
+        )
+        assert boxes[-1].x1 * paper[0] <= paper[0] - 9.99
+        assert all(one.x1 < next_one.x0 for one, next_one in pairwise(boxes))
+    wall.images.clear()
+    wall.images.update(images)
+    wall.intervals, wall.path = (), None
+
+
+def replace_name(image: hb.SectorImage, name: str) -> hb.SectorImage:
+    return image_of(image.depth, image.values, name)
+
+
+def test_the_shaded_body_shows_planes_and_tops_at_their_depths(wall: hb.Wall) -> None:
+    wall.intervals = (hb.Interval("Hugin", 2007.0), hb.Interval("Deep", 2021.0))
+    bed = Pick(kind="bed", depth=2006.0, toolface=90.0, apparent_dip=20.0)
+    wall.picks, kept = type(wall.picks)([bed, BED]), wall.picks
+    figure = plot.log(wall, polar=(), body=(2002.0, 2009.0))
+    wall.picks, wall.intervals = kept, ()
+    bodies = [axes for axes in figure.axes if axes.images and axes.get_ylabel().startswith("Depth")]
+    assert len(bodies) == 2
+    for body in bodies:
+        assert {text.get_text() for text in body.texts} == {"20° apparent", "Hugin"}, "what lies in the body"
+        top, plane = (
+            next(line for line in body.lines if line.get_color() == color) for color in (TOP_COLOR, PICK_COLORS["bed"])
+        )
+        lean = 0.5 * (BIT / 2) * np.tan(np.radians(20.0)) * 2
+        assert (top.get_ydata()[[0, -1]]) == pytest.approx([2007.0] * 2, abs=0.02), "at its edges it is not nearer"
+        assert abs(plane.get_ydata()[[0, -1]] - 2006.0).max() < lean + 0.02
