@@ -239,8 +239,14 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         crest, half, trough = (120.0, 1019.0), (210.0, 1020.0), (290.0, 1020.9)
         screen.evaluate(FINGER, [["pointerdown", *crest], ["pointermove", *half], ["pointermove", *trough]])
         screen.evaluate(FINGER, [["pointerup", *trough]])
+        screen.until("window.__wall.app.picking.kept.length && !window.__wall.app.picking.dragged")
+        assert screen.evaluate("window.__wall.app.picking.pick") is None, "the list classes the next one"
+        made = screen.evaluate("window.__wall.app.picking.kept[0]")
+        screen.until("!document.getElementById('notice').hidden")
+        assert re.match(r"bed at 10\d\d\.\d\d m: true dip \d", screen.inner_text("#notice"))
+        screen.evaluate("window.__wall.app.notice('')")
+        screen.evaluate(FINGER, [["pointerdown", 210.0, made["depth"]], ["pointerup", 210.0, made["depth"]]])
         screen.until("window.__wall.app.picking.pick")
-        made = screen.evaluate("window.__wall.app.picking.pick")
         assert made["toolface"] == pytest.approx(300, abs=0.5)
         assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
         text = "document.getElementById('dipText').textContent"

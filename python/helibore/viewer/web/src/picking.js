@@ -1,7 +1,7 @@
 // Picking on the image. A plane: drag from the crest or the trough of a bed or fracture along it; or click three points or
-// more and press Enter, which fits the plane through them. A breakout: drag a box. A new pick is selected, so a
-// digit sets its class and Delete removes it; a click selects another pick. A drag on a pick moves it; at the crest or trough
-// of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
+// more and press Enter, which fits the plane through them. A breakout: drag a box. A new pick is not selected; a click selects
+// a pick. A digit sets the class of the selected pick or, if none is selected, of the next one. A drag on the selected pick moves
+// it; at the crest or trough of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
 // A change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
@@ -219,7 +219,6 @@ export class Picking {
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
     this.selected = !found || found.key === this.selected ? null : found.key;
-    if (found) this.kind = found.kind;
     if (!found && this.kind !== BREAKOUT) Object.assign(this, { points: [...this.points, this.point(cursor)], undone: [] });
     this.app.redraw();
   }
@@ -330,9 +329,10 @@ export class Picking {
       this.app.notice(outside ? `${showDepth(pick.depth, units)} is outside the wall, ${showSpan(span[0], span[1], units)}` : `There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(pick.depth, units)}`, 10);
       return false;
     }
-    this.selected = pick.key;
+    this.selected = before ? pick.key : null;
+    if (!before && this.seen(pick)) this.report(pick.kind === BREAKOUT ? 'kept' : inWords(this.plane(pick)), pick);
+    else if (!before) this.app.notice(`${pick.image ? `${pick.image}: nothing` : 'Nothing'} was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     this.change([{ key: pick.key, pick }]);
-    if (!before && !this.seen(pick)) this.app.notice(`${pick.image ? `${pick.image}: nothing` : 'Nothing'} was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     return true;
   }
 
@@ -380,7 +380,6 @@ export class Picking {
   restore(from, to) {
     const step = from.pop();
     if (!step) return;
-    this.selected = step.length === 1 && step[0].pick ? step[0].key : null;
     this.change(step, to);
     if (step !== this.opened) return;
     this.opened = to[to.length - 1];
@@ -401,7 +400,7 @@ export class Picking {
     return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image) };
   }
 
-  // Set the class of the selected pick, and of the next pick.
+  // Set the class of the selected pick or, if none is selected, of the next pick.
   /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
     const { pick } = this;
@@ -411,8 +410,8 @@ export class Picking {
       const [one, other] = kind === BREAKOUT ? ['plane', 'breakout'] : ['breakout', 'plane'];
       return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: press on it, or Esc.`, 10);
     }
-    if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}; Esc first to class only the next pick`, { ...pick, kind });
-    this.kind = kind;
+    if (!pick) this.kind = kind;
+    else if (pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}`, { ...pick, kind });
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();
   }
@@ -528,7 +527,7 @@ export class Picking {
     const { units } = this.app.view;
     const { pick } = this;
     this.writeSaved();
-    byId('pickClass').value = this.kind;
+    byId('pickClass').value = pick?.kind ?? this.kind;
     byId('dipKeep').disabled = open || !current;
     byId('dipRemove').hidden = !pick;
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
@@ -538,9 +537,9 @@ export class Picking {
     byId('dipLoad').hidden = Boolean(pick) || this.points.length > 0 || Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [];
-    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);
+    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
-    else if (!current) lines.push(['Drag from a crest or trough along the bed, or mark three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    else if (!current) lines.push([`Next ${this.kind} (1 to 6): drag from a crest or trough along it, or mark three points around the hole.`, 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     else if (!open) lines.push('Enter keeps it; another point improves the fit.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
