@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from helibore.runs.run import Run
+    from helibore.settings.template import Template
     from helibore.trajectory.survey import Path as HolePath
     from helibore.viewer import Viewer, WellsViewer
     from helibore.wall.wall import Wall
@@ -211,7 +212,9 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
     """
     lock = Lock()
 
-    def draw(start: float, stop: float, unit: str, scale: int | None, picture: bytes = b"") -> bytes:
+    def draw(
+        start: float, stop: float, unit: str, scale: int | None, picture: bytes = b"", template: Template | None = None
+    ) -> bytes:
         from helibore.plot import pages, rendered
 
         top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
@@ -220,6 +223,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
         with lock:
             options = {"start": max(start, top), "stop": min(stop, bottom), "unit": unit, "scale": scale, **drawing}
             options |= {"picture": picture, "body": ()} if picture else {}
+            options |= {"template": template} if template else {}
             return rendered(pages(wall, **options), ".pdf")
 
     return draw

@@ -29,7 +29,7 @@ from typing import Annotated, Literal
 from helibore.base.errors import InputError
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.settings.declared import Declared, Formerly, at_least, within
-from helibore.settings.toml_reading import TomlSource, read_table
+from helibore.settings.toml_reading import TomlSource, parse_toml, read_table
 
 SizeUnit = Literal["in", "mm", "ft"]
 """The unit of diameters; ft: inches, and feet for depths."""
@@ -71,3 +71,8 @@ class Template(Declared, group="template"):
         """Read a template. Raise InputError if it breaks a rule; the error names file, line and place."""
         source, tree = TomlSource.load(Path(filename))
         return read_table(cls, tree, replace(source, recorded=True))  # pages of earlier versions saved "units"
+
+    @classmethod
+    def parse(cls, text: str) -> Template:
+        """Return the template of a text, such as that of a page; raise InputError if it breaks a rule."""
+        return read_table(cls, parse_toml(text, "template"), TomlSource("template", text=text))

@@ -256,8 +256,8 @@ class Scene:
         A function that returns the channels of the rig.
     draw_pages
         A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
-        a scale that the function chooses) and, if the page shows the wall in 3-D, a PNG of that. None: a page cannot
-        print.
+        a scale that the function chooses), if the page shows the wall in 3-D, a PNG of that, and as ``template`` the
+        arrangement of its tracks, if the user has changed it. None: a page cannot print.
     write_mesh
         A function that returns a section, between two depths, as a GLB file. None: a page offers no mesh.
     write_logs

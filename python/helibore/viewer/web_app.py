@@ -48,6 +48,7 @@ from helibore.base.errors import InputError
 from helibore.base.identity import Access
 from helibore.base.limits import limit
 from helibore.logs.picks import Pick, Picks, pick_of
+from helibore.settings.template import Template
 from helibore.viewer import exports
 from helibore.viewer.access import AccessControl
 from helibore.viewer.channel_strip import channel_strip
@@ -276,17 +277,21 @@ class WebApp:
         return await self.downloads.start(write, TYPES["index.html"], _file_name("wall", query, "html"), whole=True)
 
     async def print_section(self, request: Request) -> Response:
-        """Return the section as a PDF; the body of POST is a PNG of the wall in 3-D, drawn below the tracks."""
+        """Return the section as a PDF; the body of POST is a PNG of the wall in 3-D, drawn below the tracks.
+
+        The query may have the arrangement of the tracks as the text of a template.
+        """
         query, draw = request.query_params, self.scene.draw_pages
         if draw is None:
             return PlainTextResponse("this server cannot print\n", 404)
         try:
             picture = [exports.checked_picture(await _body(request, MOST_PICTURE))] if request.method == "POST" else []
+            arranged = {"template": Template.parse(query["template"])} if "template" in query else {}
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
 
         def write(start: float, stop: float) -> bytes:
-            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query), *picture)
+            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query), *picture, **arranged)
 
         return await self.drawn(write, query, "application/pdf", _file_name("log", query, "pdf"))
 

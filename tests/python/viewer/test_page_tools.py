@@ -714,7 +714,46 @@ def test_curves_stand_beside_the_image_and_tracks_are_dragged_into_a_template(br
         kinds = [(track.kind, track.width) for track in read.track]
         assert ("curves", 140) in kinds
         assert kinds.index(("curves", 140)) > [kind for kind, _ in kinds].index("image")
+        asked: list[Template | None] = []
+        viewer.scene.draw_pages = lambda *_, template=None: asked.append(template) or b"%PDF"
+        viewer.scene.update_state(ended=True, prints=True)
+        screen.until("window.__wall.app.prints")
+        with screen.expect_download():
+            screen.click("#print")
+        assert asked[0] is not None
+        assert asked[0].track == read.track, "the print has the tracks as they were dragged"
         screen.close()
+
+
+def test_narrow_heads_stay_apart_and_keep_name_and_unit(browser: Any) -> None:
+    """Four tracks of 64 pixels: no text of one head touches that of the next, and no text leaves its track."""
+    depth = np.arange(1000.0, 1031.0, 0.5)
+    curve = ScalarCurve("GR_gAPI_long", "gAPI", depth, depth - 1000, (0.0, 150.0))
+    with hb.view(MadeWall(20_000), path=curved_path(), curves=[curve]) as viewer:
+        viewer.scene.change_picks(lambda picks: picks.put(Pick(kind="bed", depth=1012.0, toolface=0.0)))
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12&curves=GR_gAPI_long", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.curves.held.get('GR_gAPI_long')")
+        for wide in (64, 80, 110):
+            screen.evaluate(f"window.__wall.app.view.widen('caliper', {wide})")
+            screen.evaluate(f"window.__wall.app.view.widen('curves', {wide})")
+            screen.settle()
+            rects = screen.evaluate("window.__wall.app.renderer.rects")
+            labels = screen.evaluate("document.getElementById('ink').labels")
+            heads = {name: [one for one in labels if one["top"] < 80 and within(one, rects[name])] for name in rects}
+            for name in ("caliper", "curves", "dips"):
+                track = rects[name]
+                for one in heads[name]:
+                    assert one["left"] >= track["left"] - 1, (wide, name, one)
+                    assert one["right"] <= track["left"] + track["width"] + 1, (wide, name, one)
+            named = {one["text"] for one in heads["curves"]}
+            assert "gAPI" in named or any(text.endswith(" gAPI") for text in named), named
+            assert {"Caliper [mm]", "Cal. mm", "Cal."} & {one["text"] for one in heads["caliper"]}
+        screen.close()
+
+
+def within(label: dict[str, Any], track: dict[str, float]) -> bool:
+    """Whether the middle of a label lies in a track."""
+    return track["left"] <= (label["left"] + label["right"]) / 2 <= track["left"] + track["width"]
 
 
 def test_the_first_two_curves_of_files_are_shown_at_once_where_there_is_room(browser: Any) -> None:

@@ -523,6 +523,18 @@ def test_a_print_has_the_scale_that_the_page_asks_for(client: TestClient, feed: 
         assert (refused.status_code, refused.text) == (400, rule)
 
 
+def test_a_print_takes_the_arrangement_of_the_tracks(client: TestClient, feed: Any) -> None:
+    asked: list[Any] = []
+    feed.scene.draw_pages = lambda *_, **more: asked.append(more) or b"%PDF"
+    text = quote('[[track]]\nkind = "caliper"\nwidth = 200\n')
+    assert client.get(f"/api/print.pdf?start=1001&stop=1004&template={text}").content == b"%PDF"
+    assert [(one.kind, one.width) for one in asked[0]["template"].track] == [("caliper", 200)]
+    refused = client.get(f"/api/print.pdf?start=1001&stop=1004&template={text.replace('width', 'wide')}")
+    assert refused.status_code == 400
+    assert refused.text.startswith("template, line 3: track 1.wide")
+    assert len(asked) == 1
+
+
 def test_a_print_takes_a_picture_of_the_page(client: TestClient, feed: Any) -> None:
     asked: list[Any] = []
     feed.scene.draw_pages = lambda *wanted: asked.append(wanted) or b"%PDF"

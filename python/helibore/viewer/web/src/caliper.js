@@ -141,8 +141,9 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
   const { scale, unit } = LENGTHS[view.units];
   /** @param {number} v */
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
-  const slim = width < 110;
-  label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
+  ink.font = BOLD;
+  const title = fitting(ink, [`Caliper [${unit}]`, `Cal. ${unit}`, 'Cal.'], width - 8);
+  label(ink, title, left + 2, 11, { colour: palette.ink, font: BOLD });
   ink.font = SMALL;
   if (store.basis === 'average') label(ink, fitting(ink, ['mean, shape not measured', 'mean, no shape', 'mean'], width - 4), left + 2, 29, { colour: palette.max, font: SMALL });
   else {
@@ -155,7 +156,7 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
     });
     ink.fillStyle = palette.fills.under;
     ink.fillRect(from[0], 38, 12, 8);
-    label(ink, slim ? 'least' : 'least, under bit', from[0] + 16, 42, { colour: palette.soft, font: SMALL });
+    label(ink, fitting(ink, ['least, under bit', 'least'], width - 20), from[0] + 16, 42, { colour: palette.soft, font: SMALL });
   }
   label(ink, show(low), left + 2, HEAD - 25, { colour: palette.soft, font: SMALL });
   label(ink, show(high), left + width - 2, HEAD - 25, { colour: palette.soft, align: 'right', font: SMALL });

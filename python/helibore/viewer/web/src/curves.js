@@ -5,9 +5,9 @@
 import { scaling } from './color.js';
 import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId, options } from './dom.js';
+import { whenLate } from './late.js';
 import { save } from './saving.js';
 import { edges, line, sharp } from './strokes.js';
-import { toTemplate } from './template.js';
 import { LENGTHS, showValue } from './units.js';
 
 const SAVE = '\n'; // no curve has this name
@@ -120,7 +120,7 @@ export class Curves {
   choose(name) {
     const { view } = this.app;
     if (name === SAVE) {
-      save(new Blob([toTemplate(this.app)], { type: 'application/toml' }), 'helibore-template.toml');
+      whenLate(this.app, ({ toTemplate }) => save(new Blob([toTemplate(this.app)], { type: 'application/toml' }), 'helibore-template.toml'));
       return this.list();
     }
     view.toggleCurve(name);
@@ -169,11 +169,13 @@ export class Curves {
     /** @param {number} value */
     const end = (value) => String(Number((value * scale).toPrecision(3))).replace('-', '−');
     ink.font = BOLD;
-    label(ink, fitting(ink, [`${name} ${length}`, name], width), left + width / 2, y, { colour: palette.ink, align: 'center', font: BOLD });
+    const title = fitting(ink, [`${name} ${length}`, name], width - 4);
+    label(ink, title, left + width / 2, y, { colour: palette.ink, align: 'center', font: BOLD });
     line(ink, left, y + 8, left + width, y + 8, colour, dash, 1.6);
     const below = tall ? y + 16 : y;
     label(ink, end(low), left, below, { colour: palette.soft, font: SMALL, yields: true, margin: 1 });
     label(ink, end(high), left + width, below, { colour: palette.soft, align: 'right', font: SMALL, yields: true, margin: 1 });
+    if (!title.endsWith(length)) label(ink, length, left + width / 2, below, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2, near: [[0, 0], [0, 10]] });
   }
 
   // Return name and value of each curve that is shown, at a depth.

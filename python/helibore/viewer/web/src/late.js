@@ -13,3 +13,11 @@ export function late(app) {
   import(String(new URL(`more.js${location.search}`, location.href))).then(repaint, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (renderer.loading = false));
   return undefined;
 }
+
+// Call `act` with what more.js has, once it is here.
+/** @param {App} app @param {(more: typeof import('./more.js')) => unknown} act */
+export function whenLate(app, act) {
+  const more = late(app);
+  if (more) act(more);
+  else if (app.renderer.loading) setTimeout(() => whenLate(app, act), 50);
+}

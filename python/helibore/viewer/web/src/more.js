@@ -2,10 +2,12 @@
 
 export { columnRows, drawColumns, drawPipes } from './columns.js';
 export { drawCurtain } from './curtain.js';
+export { film } from './film.js';
 export { drawNet } from './net.js';
 export { plainImage } from './plain_image.js';
 export { drawRings } from './plane_rings.js';
 export { paneOf, saveStage } from './stage_picture.js';
 export { hungInRig, placesOf, writeDigits } from './rig_digits.js';
 export { drawRun } from './run_chart.js';
+export { toTemplate } from './template_text.js';
 export { drawWallInk } from './wall_ink.js';

@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { curveAt, decodeCurve, rowAt } from '../src/curves.js';
-import { fromTemplate, toTemplate } from '../src/template.js';
+import { fromTemplate } from '../src/template.js';
+import { toTemplate } from '../src/template_text.js';
 import { showAngle, showDepth, showSpan } from '../src/units.js';
 import { ticks } from '../src/view.js';
 
