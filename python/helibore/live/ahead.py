@@ -43,6 +43,8 @@ MORE = 15.0
 """Metres of hole on both sides that are solved beforehand while the string is tripped, and last while the wall does."""
 LEAST_GAP = 0.25
 """Metres of hole that must not be sampled on end, so that it counts as not seen."""
+APART = 0.25
+"""Metres of hole between two tight places that count as two."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
 """Solving takes at most one part in so many of a processor's time, for a tripped bit and for another."""
 
@@ -381,13 +383,13 @@ def _side(places: Sequence[Sequence[Place]], string: Sequence[RigidBody], bit: f
 
 
 def _joined(places: Sequence[Place], string: Sequence[RigidBody], up: bool) -> list[Place]:
-    """Return the places that overlap as one, as tight as the tightest: bodies stick there one after the other.
+    """Return the places that overlap or nearly do as one, as tight as the tightest: bodies stick there in turn.
 
     The string begins to stick there as the body does that meets it first.
     """
     found: list[Place] = []
     for place in sorted(places):
-        if not (found and place.top <= found[-1].bottom):
+        if not (found and place.top <= found[-1].bottom + APART):
             found.append(place)
             continue
         last = found.pop()

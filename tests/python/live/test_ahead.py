@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from live_wires import WALL, Clock
 
-from helibore import Live
+from helibore import Live, RigidBody
+from helibore.live.ahead import APART, Place, _joined
 from helibore.live.alarms import Alarms
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
@@ -315,3 +316,13 @@ def test_noise_of_the_radii_is_no_tight_hole():
     assert found is not None
     assert found.places == 1
     assert found.sticks_at == pytest.approx(TIGHT[1] + 1.0, abs=0.3)
+
+
+def test_tight_hole_with_a_hand_of_wide_hole_between_is_one_place():
+    string = RigidBody(0.2, 0.3), RigidBody(0.2, 1.0, 4.0)
+    place = Place(top=118.0, bottom=119.0, passes=0.196, sticks_at=119.3, first="bit", tightest=118.5, body=0)
+    near = place._replace(top=119.1, bottom=119.4, passes=0.19, sticks_at=124.3, first="body 2", tightest=123.0, body=1)
+    (one,) = _joined([near, place], string, up=True)
+    assert (one.top, one.bottom, one.passes, one.sticks_at, one.first) == (118.0, 119.4, 0.19, 124.3, "body 2")
+    far = near._replace(top=119.0 + APART + 0.05, bottom=119.6)
+    assert len(_joined([far, place], string, up=True)) == 2
