@@ -50,7 +50,8 @@ CHUNK = 1 << 17  # vertices written at a time; in between, the server may send v
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
 ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones
 SHARE = 20  # the sleep is at least so many times the processor time of the search
-STRING_SECONDS = 1.0  # seconds between two looks where the string hangs
+STRING_SECONDS = 0.1  # seconds between two looks whether the string has moved
+STRING_SHARE = 2  # the rest after its clearance is found is at least so many times the processor time of that
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
 FIRST_DATE = 1e8  # seconds: a smaller time counts from the start of the run, not from 1970
 MOST_BACK = 1.0  # metres that samples may lie above earlier ones, as those of several sensors do
@@ -213,8 +214,9 @@ class Feed:
             self._closed.wait(max(READ_SECONDS, time.monotonic() - began))
 
     def _run_zones(self) -> None:
-        zones_due = string_due = 0.0
+        zones_due = string_due = hang_due = 0.0
         stale = False  # the clearance of the string at all depths is that of an earlier wall
+        hung: object = None  # the wall, and where the string and the tight places were, when its clearance was found
         while True:
             self._grown.wait(STRING_SECONDS if self._string else None)
             if self._closed.is_set():
@@ -225,14 +227,19 @@ class Feed:
                 self._find_zones()
                 stale = True
                 zones_due = time.monotonic() + max(ZONES_SECONDS, SHARE * (time.thread_time() - began))
-            self.find_clearance_of_bodies()
-            self.find_chances_ahead()
+            began = time.thread_time()
+            here = id(self._measured), round(self.scene.state.bit_depth, 2), self._places_ahead()
+            if here != hung and time.monotonic() >= hang_due:
+                self.find_clearance_of_bodies()
+                self.find_chances_ahead()
+                hung, hang_due = here, time.monotonic() + STRING_SHARE * (time.thread_time() - began)
             began = time.thread_time()
             if stale and time.monotonic() >= string_due:
                 self._find_clearance()
                 stale, string_due = False, time.monotonic() + SHARE * (time.thread_time() - began)
-            rest = zones_due - time.monotonic()
-            self._closed.wait(max(0.0, min(rest, STRING_SECONDS) if self._string else rest))
+            if self._grown.is_set():
+                rest = zones_due - time.monotonic()
+                self._closed.wait(max(0.0, min(rest, STRING_SECONDS) if self._string else rest))
 
     def _read(self, ranges: list[Range], settled: int) -> None:
         for start, stop in ranges:
@@ -371,13 +378,18 @@ class Feed:
         return {**name, **numbers, "at_most": found.at_most, "short": round(short, 2)}
 
     def find_chances_ahead(self) -> None:
-        """Set how sure the nearest tight places above and below the bit are: see `SceneState.ahead_sure`."""
-        ahead = self.scene.state.ahead
-        if not self._string or self._shape.basis != "azimuthal" or ahead is None:
+        """Set how sure the nearest and the worst tight places above and below the bit are: `SceneState.ahead_sure`."""
+        if not self._string or self._shape.basis != "azimuthal" or self.scene.state.ahead is None:
             return
-        chances = tuple(self._chance(side["nearest"]) if (side := ahead[way]) else None for way in ("up", "down"))
+        chances = tuple(map(self._chance, self._places_ahead()))
         if chances != self.scene.state.ahead_sure:
             self.scene.update_state(ahead_sure=chances)
+
+    def _places_ahead(self) -> tuple[tuple[Any, ...], ...]:
+        """Return the nearest and the worst tight places above and below the bit, each once."""
+        ahead = self.scene.state.ahead or {}
+        sides = [side for way in ("up", "down") if (side := ahead.get(way))]
+        return tuple(dict.fromkeys(tuple(side[name]) for side in sides for name in ("nearest", "worst")))
 
     def _chance(self, place: Sequence[Any]) -> tuple[float, float, float] | None:
         """Return the probability that the string sticks at a `Place`, and the ends of this place."""

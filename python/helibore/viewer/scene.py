@@ -190,8 +190,8 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Of the nearest tight place above and of that below: the probability that the string sticks there, and the ends of
-    # the place, by which a page knows it; None: not known.
+    # Of the nearest and of the worst tight place above and below: the probability that the string sticks there, and the
+    # ends of the place, by which a page knows it; None: not known.
     ahead_sure: tuple[tuple[float, float, float] | None, ...] = ()
 
 

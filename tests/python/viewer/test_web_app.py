@@ -334,17 +334,19 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
     wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
     string = [hb.RigidBody(0.212, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 3.0, "stabiliser")]
     with hb.view(wall, string=string) as viewer:
-        bit = {"nearest": (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0)}
-        stabiliser = {"nearest": (2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1)}
+        wide = (2010.0, 2011.0, 0.208, 2011.3, "bit", 2011.0, 0)
+        bit = {"nearest": wide, "worst": (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0)}
+        stabiliser = dict.fromkeys(("nearest", "worst"), (2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1))
         viewer.scene.update_state(ahead={"up": bit, "down": stabiliser, "bodies": (), "moving": ""})
-        until(lambda: len(viewer.scene.state.ahead_sure) == 2)
-        (chance, *of_bit), (least, *of_other) = viewer.scene.state.ahead_sure
+        until(lambda: len(viewer.scene.state.ahead_sure) == 3)
+        (none, *of_wide), (chance, *of_bit), (least, *of_other) = viewer.scene.state.ahead_sure
         assert chance > 0.99
-        assert least < 0.01
-        assert (of_bit, of_other) == ([2017.5, 2018.5],) * 2, "the places of which it is said"
-        beyond = {"nearest": (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0)}
+        assert max(none, least) < 0.01
+        ends = [[2010.0, 2011.0], [2017.5, 2018.5], [2017.5, 2018.5]]
+        assert [of_wide, of_bit, of_other] == ends, "the places of which it is said"
+        beyond = dict.fromkeys(("nearest", "worst"), (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0))
         viewer.scene.update_state(ahead={"up": beyond, "down": None, "bodies": (), "moving": ""})
-        until(lambda: viewer.scene.state.ahead_sure == (None, None))
+        until(lambda: viewer.scene.state.ahead_sure == (None,))
 
 
 def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle(golden: Golden) -> None:
