@@ -36,9 +36,9 @@ CLIPPED = """[...document.querySelectorAll('#rig h2, #rig p')].filter((at) => {
 
 @pytest.mark.parametrize(("bit", "size"), [(1033.4, (1366, 768)), (12345.6, (1366, 768)), (1033.4, (3840, 2160))])
 def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tuple[int, int]) -> None:
-    with hb.view(MadeWall(20_000)) as viewer:
+    with hb.view(MadeWall(20_000, start=round(bit - 28.0))) as viewer:
         viewer.scene.update_state(bit_depth=bit, hole_depth=bit + 40.5, newest=time.time())
-        screen = Screen(browser, viewer.url, "#md=1010&sec=10", size, drawn=False)
+        screen = Screen(browser, viewer.url, f"#md={bit:.0f}&sec=10", size, drawn=False)
         screen.keyboard.press("k")
         screen.until("window.__wall.app.figures.summary?.mean_diameter && window.__wall.app.zones.length")
         screen.settle()
@@ -70,9 +70,9 @@ CELL = "(name) => ['Head', '', 'More'].map((part) => document.getElementById(nam
 
 
 def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> None:
-    """A hole with a meter less than the bit by 8 mm at 2018, and a string of three bodies."""
+    """A hole with a meter less than the bit by 8 mm at 2018, by 16 mm at 2003.5, and a string of three bodies."""
     depth = np.arange(2000.0, 2024.0, 0.002)
-    radius = np.where(abs(depth - 2018) < 0.5, 0.104, 0.1085)
+    radius = np.where(abs(depth - 2018) < 0.5, 0.104, np.where(abs(depth - 2003.5) < 0.5, 0.1, 0.1085))
     wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
     string = [
         hb.RigidBody(0.216, 0.3, 0, "bit"), hb.RigidBody(0.17, 2, 1, "collar"), hb.RigidBody(0.213, 1, 4, "stabiliser")
@@ -88,14 +88,14 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         scene.update_state(bit_depth=2020.0, hole_depth=2026.0, newest=time.time(), ahead=ahead, alarms=alarms)
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.getElementById('rigWorst').textContent.includes('mm')")
-        (zone,) = (of for of in wall.zones().zones if of.kind == "undergauge")
+        far, zone = (of for of in wall.zones().zones if of.kind == "undergauge")
         span, size = f"{zone.start:.1f}–{zone.stop:.1f} m", f"−{-1000 * zone.measure:.0f} mm"
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
-        assert head == "Next of 2 tight places above"
-        assert re.fullmatch(rf"{size}, \d+ % sure", digits)
-        assert more == "bit sticks"
-        more = f"{span}; worst −16 mm at 2003.0 m"
-        assert screen.evaluate(f"({CELL})('rigWhere')") == ["bit sticks in", "1.2 m", more]
+        assert head == "Worst of 2 going up: tight", "the worst leads, not the nearest"
+        assert re.fullmatch(r"−16 mm, \d+ % sure", digits)
+        assert more == f"{far.start:.1f}–{far.stop:.1f} m, in 15.8 m"
+        next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.start:.1f} m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == next_one
         assert screen.inner_text("#alarmText") == f"Tight above {size}, {span}", "two alarms, one place, one text"
         rows = screen.evaluate(ROWS)
         assert [row[0] for row in rows] == ["stabiliser", "collar", "bit"], "as they hang"
@@ -108,14 +108,22 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         screen.until("document.querySelector('#rigBodies .note').parentElement.textContent.includes('in')")
         assert screen.evaluate(OVER) == []
         screen.evaluate("window.__wall.app.view.choose({ units: 'mm' })")
+        others = "no data rig: nothing for 20 s", "refused mwd: no sample was usable"
+        worse = "tight: at 2003.50 m the diameter is 16.0 mm below the bit diameter"
+        scene.update_state(alarms=(*others, worse, *alarms))
+        screen.until("document.getElementById('alarmText').textContent.includes('more')")
+        several = f"Tight above −16 mm at {far.start:.1f} m, {size} at {zone.start:.1f} m, +1 more"
+        assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", several], "none of them is hidden"
+        scene.update_state(alarms=alarms)
         scene.update_state(bit_depth=2018.4)
         screen.until("document.querySelector('#rigBodies .new')")
         assert screen.evaluate(ROWS)[2][3] == "now"
-        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["bit sticks ", "now "]
+        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: sticks", "now "]
         scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
-        assert [row[4] for row in screen.evaluate(ROWS)] == ["1.5 m", "none", "–"], "on bottom"
-        screen.until("document.getElementById('rigBodies').textContent.includes('not measured')")
+        lacks = "document.querySelector('#rigBodies .lacks').textContent"
+        screen.until(f"{lacks} === 'Hole not measured at collar and bit'")
+        assert [(row[0], row[4]) for row in screen.evaluate(ROWS)] == [("stabiliser", "1.5 m")], "beside measured hole"
         screen.keyboard.press("a")
         screen.settle()
         covered = """['rigBit', 'rigBodies', 'rigAge'].filter((id) => {
@@ -123,6 +131,54 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
           return a.left < b.right && a.top < b.bottom;
         })"""
         assert screen.evaluate(covered) == []
+        screen.close()
+
+
+def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_meets_it(browser: Any) -> None:
+    """A wall to 1062 m, a bit at 1050 m, a key seat above its stabiliser and a larger washout below the bit."""
+    string = [hb.RigidBody(0.216, 0.3, 0, "bit"), hb.RigidBody(0.213, 1.0, 12.0, "stabiliser")]
+    of = {"severity": 3.0, "confidence": 0.9, "measured": None}
+    seat = of | {"kind": "key seat", "start": 1030.0, "stop": 1034.0, "measure": 0.012}
+    washout = of | {"kind": "washout", "start": 1055.0, "stop": 1056.0, "measure": 0.04, "severity": 9.0}
+    behind = of | {"kind": "washout", "start": 1012.0, "stop": 1014.0, "measure": 0.03}
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "up", "touching": (0.213, 0.213)}
+    with hb.view(MadeWall(40_000), string=string) as viewer:
+        scene = viewer.scene
+        scene.update_state(bit_depth=1050.0, hole_depth=1090.0, newest=time.time(), ahead=ahead)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
+        scene.update_state(zones=(behind, seat, washout), zones_to=1062.0)
+        head = "document.getElementById('rigWorstHead').textContent"
+        screen.until(f"{head} === 'Worst going up: key seat'")
+        assert screen.evaluate(f"({CELL})('rigWorst')")[1:] == ["+12 mm, 90 % sure", "1030.0–1034.0 m, slot depth"]
+        where = ["Next going up: key seat in", "3.0 m", "stabiliser, the worst place"]  # its upper end is at 1037 m
+        assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        assert screen.evaluate("window.__wall.app.view.top") < 1030, "it is in the picture"
+        scene.update_state(ahead=ahead | {"moving": "down"})
+        screen.until(f"{head} === 'Worst going down: washout'")
+        where = ["Next going down: washout in", "5.0 m", "bit, the worst place"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        scene.update_state(bit_depth=1045.0, ahead=ahead)
+        screen.until("document.getElementById('rigWhere').textContent === 'now '")
+        assert screen.inner_text("#rigWhereHead").endswith("going up: key seat"), "the stabiliser is in it"
+        scene.update_state(bit_depth=1029.0, zones=(seat,))
+        screen.until(f"{head} === 'Worst going up'")  # all bodies are past it
+        near = (1042.0, 1043.0, 0.21, 1048.0, "bit", 1042.5, 0)
+        far = (1057.0, 1058.0, 0.203, 1057.0, "bit", 1057.5, 0)
+        sides = {
+            "up": {"places": 1, "nearest": near, "worst": near},
+            "down": {"places": 1, "nearest": far, "worst": far},
+        }
+        scene.update_state(bit_depth=1050.0, ahead=ahead | sides | {"moving": ""})
+        screen.until(f"{head} === 'Worst going down: tight'")  # it hangs, and may move either way
+        assert screen.inner_text("#rigWorst").startswith("−13 mm")
+        assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
+        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1042.0 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        scene.update_state(bit_depth=1050.0, ahead=ahead | sides)
+        screen.until(f"{head} === 'Worst going up: tight'")
+        assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == ["2.0 m", "bit, the worst place"]
+        assert screen.evaluate(CLIPPED) == []
         screen.close()
 
 
@@ -164,21 +220,22 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.querySelector('#rigBodies .name')")
         screen.settle()
-        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["stabiliser sticks in", "0.0 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: sticks in", "0.0 m"]
         assert screen.evaluate(ROWS)[0][3:] == ["0.0 m", "none"]
         viewer.scene.update_state(string=string | {"hanging": [of | {"high": -0.001}]})
         screen.until("document.getElementById('rigWhere').textContent.includes('now')")
-        assert screen.evaluate(f"({CELL})('rigWhere')") == ["stabiliser sticks ", "now ", "at 1015.3 m"]
+        now = ["Next going up: sticks", "now ", "stabiliser, at 1015.3 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == now
         assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
         alarms = ("tight ahead: tight hole above the bit at 1020.0 m: from 1013.0 to 1018.0 m 209 mm pass at most",)
         scene, head = viewer.scene, "document.getElementById('rigWorstHead').textContent"
         scene.update_state(alarms=alarms, ahead=ahead | {"down": up, "moving": "down"})
         screen.until("window.__wall.app.ahead.moving === 'down'")
         screen.settle()
-        assert screen.evaluate(head) == "Tight place above", "run in, too, a body above the bit meets what is above it"
+        assert screen.evaluate(head) == "Worst going down: tight", "a body above the bit meets what is above it"
         assert screen.inner_text("#alarmText").startswith("Tight above")
         scene.update_state(ahead=ahead | {"up": None, "down": up, "moving": "up"})
-        screen.until(f"{head}.startsWith('Worst place')")  # tripped out, what lies behind is not next
+        screen.until(f"!{head}.endsWith('tight')")  # tripped out, what lies behind is not next
         screen.close()
 
 
@@ -217,9 +274,16 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         assert re.fullmatch(r"\d\d s", screen.inner_text("#rigAge"))
         scene.update_state(newest=time.time(), received=time.time())
         screen.until(f"{lamp} === 'live'")
+        assert screen.evaluate("window.__wall.app.pace.usual") < 7
+        scene.update_state(newest=time.time() - 30, received=time.time() - 30)
+        screen.until("document.body.classList.contains('stale')")  # before an alarm
+        assert 30 <= float(screen.inner_text("#rigAge").split()[0]) < 60
+        scene.update_state(newest=time.time(), received=time.time())
+        screen.until(f"{lamp} === 'live' && !document.body.classList.contains('stale')")
         screen.evaluate("window.__wall.app.received -= 9")
         screen.until(f"{lamp} === 'late'")
         assert not screen.evaluate("document.body.classList.contains('stale')")
+        assert screen.evaluate("document.getElementById('rigAgeCell').className") == "zone", "it is marked first"
         scene.update_state(alarms=("no data rig: nothing for 20 s",))
         screen.until("document.body.classList.contains('stale')")
         assert screen.inner_text("#alarmText") == "No data from rig"
@@ -243,13 +307,14 @@ def test_rig_mode_says_what_is_worst_and_where_if_nothing_is_tight_ahead(browser
         screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
         worst = next(zone for zone in wall.zones().zones if zone.kind == "undergauge")
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
-        assert head == "Worst place: undergauge", "before the washout, which is larger"
+        assert head == "Worst going up: undergauge", "before the washout, which is larger"
         assert digits == f"−{-1000 * worst.measure:.0f} mm, {worst.confidence_text} sure"
-        assert more == "under bit size"
-        span = f"{worst.start:.1f}–{worst.stop:.1f} m"
-        assert screen.evaluate(f"({CELL})('rigWhere')") == ["Above bit", f"{end + 2.5 - worst.stop:.1f} m", span]
+        assert more == f"{worst.start:.1f}–{worst.stop:.1f} m, under bit size"
+        far = f"{end + 2.5 - 4.0 - worst.stop:.1f} m"  # from the upper end of the first body that meets it
+        where = ["Next going up: undergauge in", far, "stabiliser, the worst place"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == where
         screen.until(f"({ROWS})[0][2] === '+17 mm'")
-        assert [row[3:] for row in screen.evaluate(ROWS)] == [["–", "–"]] * 2, "nobody looks ahead"
+        assert [row[3:] for row in screen.evaluate(ROWS)] == [["–", "–"]], "nobody looks ahead"
         viewer.scene.update_state(zones=(), zones_to=end - 6)
         screen.until("document.getElementById('rigWorst').textContent.startsWith('looking')")
         assert screen.evaluate(f"({CELL})('rigWorst')")[2] == f"none to {end - 6:.1f} m"
@@ -270,6 +335,8 @@ def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None
         screen.until("document.getElementById('rigWorst').textContent.startsWith('not known')")
         top, bottom = map(float, re.findall(r"[\d.]+", screen.inner_text("#rigWorstMore").removesuffix(" m")))
         assert (top, bottom) == pytest.approx((2008.5, 2011.5), abs=0.4), "a radius has samples within a metre"
+        viewer.scene.update_state(bit_depth=2090.0, hole_depth=2090.0)
+        screen.until("document.getElementById('rigWorstMore').textContent === 'nobody saw it'")  # no hole near the bit
         screen.close()
 
 

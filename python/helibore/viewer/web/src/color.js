@@ -20,9 +20,10 @@ export const MAPS = Object.fromEntries(
 
 const NEAR_BIT = 0.008; // metres
 
-// Return a quantity with the ends of its colours in rig mode, unless the user chose ends: a few millimetres are seen from afar.
+// Return a quantity with the ends of its colours in rig mode, unless the user chose ends: a few millimetres are seen from afar, and
+// hole of bit size is pale in every wall.
 /** @param {Quantity} of @returns {Quantity} */
-export const nearBit = (of) => (of.id === 'over' && !of.chosen ? { ...of, low: Math.max(of.low, -NEAR_BIT), high: Math.min(of.high, NEAR_BIT) } : of);
+export const nearBit = (of) => (of.id === 'over' && !of.chosen ? { ...of, low: -NEAR_BIT, high: NEAR_BIT } : of);
 
 // In dark mode, a map whose neutral colour is the colour of the page is replaced by its dark version.
 /** @param {string} map @param {boolean} dark */

@@ -60,10 +60,10 @@ export const isDry = (of) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
 
-// Whether numbers that the rig sends may be old: the server is away, or the rig is silent, by the page's limit or, if it is late, by
-// that of its configuration. A tool is silent while the string is tripped, which makes no number of the rig old.
+// Whether numbers that the rig sends may be old: the server is away, or the rig is silent, by the page's limit, for three times the
+// usual time or, if it is late, by the limit of its configuration. A tool is silent while the string is tripped, which makes no number of the rig old.
 /** @param {App} app */
-export const isStale = (app) => !/^(live|waiting)$/.test(app.status) || isSilent(app) || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
+export const isStale = (app) => !/^(live|waiting)$/.test(app.status) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */

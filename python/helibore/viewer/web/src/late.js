@@ -3,14 +3,17 @@
 
 import { messageOf } from './errors.js';
 
-// Return what more.js has; undefined until it is here, after which `app` is drawn anew.
+// Return what more.js has; undefined until it is here, after which `app` is drawn anew, at the section of rig mode.
 /** @param {App} app */
 export function late(app) {
-  const { renderer, repaint } = app;
+  const { renderer } = app;
   const { more } = /** @type {{ more?: typeof import('./more.js') }} */ (globalThis);
   if (more || renderer.loading) return more;
   renderer.loading = true;
-  import(String(new URL(`more.js${location.search}`, location.href))).then(repaint, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (renderer.loading = false));
+  import(String(new URL(`more.js${location.search}`, location.href))).then(() => {
+    if (app.view.rig && app.store) app.follow();
+    app.repaint();
+  }, (error) => app.notice(`A part of the page did not come: ${messageOf(error)}`, 10)).finally(() => (renderer.loading = false));
   return undefined;
 }
 

@@ -16,6 +16,7 @@ import { Glow } from './glow.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindTracks } from './input.js';
 import { ageOf, lamp, Pace } from './lamp.js';
+import { late } from './late.js';
 import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
 import { disableControls, fillSelects, nameCuts, showBasis } from './panel.js';
@@ -23,7 +24,7 @@ import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { Renderer, seconds } from './renderer.js';
 import { Replay } from './replay.js';
-import { rigSection, writeRig } from './rig.js';
+import { writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { NARROW, Selection } from './selection.js';
 import { fromTemplate } from './template.js';
@@ -323,8 +324,9 @@ export class App {
   // Move the section with the bit; in rig mode the section also has the worst place.
   follow() {
     const { view, store, bit } = this;
-    if (view.rig) view.show(...rigSection(this), store, false);
-    else view.followEnd(store, bit);
+    if (!view.rig) return view.followEnd(store, bit);
+    const section = late(this)?.rigSection(this);
+    if (section) view.show(...section, store, false);
   }
 
   // The text of the list of zones if there is no zone. It is empty where the banner of a wall without a caliper says enough.

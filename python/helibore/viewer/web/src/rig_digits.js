@@ -4,7 +4,8 @@
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
-import { firstPlace, placeOn, recent, waysOf } from './rig.js';
+import { recent } from './rig.js';
+import { placesAhead, reach, tightOn, WAYS, widest } from './rig_places.js';
 import { turn } from './turns.js';
 import { depthNumber, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -13,7 +14,6 @@ const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 const NOW = 0.05; // metres: so near is here
 const MOVED = 0.3; // metres that the bit may have moved on since the clearances were found
-const ROWS = 3; // bodies of the string that rig mode lists
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
 const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SIDES.up : SIDES.down);
@@ -50,7 +50,7 @@ export function writeDigits(app) {
   const place = off > LIFTED ? `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}` : Number.isFinite(off) ? 'on bottom' : '';
   cell('rigBit', 'Bit depth', ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : place || trueDepth);
   writeData(app);
-  writeWorst(app, ends);
+  writeWorst(app);
   byId('rigBodies').hidden = !app.string;
   byId('rigHoleCell').hidden = Boolean(app.string);
   if (app.string) writeBodies(app);
@@ -69,7 +69,7 @@ function writeData(app) {
   const [age, ageUnit = ''] = showAge(isDry(app) ? ageOf(app) : silenceOf(app)).split(' ');
   const stale = isStale(app);
   document.body.classList.toggle('stale', stale);
-  byId('rigAgeCell').className = stale ? 'new' : '';
+  byId('rigAgeCell').className = stale ? 'new' : /late|lost/.test(colour) ? 'zone' : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
   const apart = app.apart && `, ${app.apart} pass not shown`;
   const behind = !apart && lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
@@ -115,37 +115,42 @@ function unseenIn(store, [top, bottom]) {
   return null;
 }
 
-// Write the place to know first: how tight or wide it is and how sure that is, and where it is.
-/** @param {App} app @param {number[]} ends */
-function writeWorst(app, ends) {
-  const { view: { units }, store, bit, alarms, ahead, zonesTo } = app;
-  const place = firstPlace(app, ends);
-  const moves = place?.way && ahead?.moving === place.way;
-  byId('rigWorstCell').className = !place ? '' : place.way || !place.zone || !alarms.isNew(place.zone) ? 'zone' : 'new';
-  if (!place) {
+// Write the worst place ahead, how sure it is and where; and what the string meets next, which may be the same place.
+/** @param {App} app */
+function writeWorst(app) {
+  const { view: { units }, store, bit, alarms, ahead, zonesTo, string } = app;
+  const found = placesAhead(app);
+  byId('rigWorstCell').className = !found ? '' : found.worst.tight || !found.worst.zone || !alarms.isNew(found.worst.zone) ? 'zone' : 'new';
+  if (!found) {
+    const ends = reach(app);
     byId('rigWhereCell').className = '';
     const unseen = unseenIn(store, ends);
-    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen[0], unseen[1], units)}`] : ['none', `seen in ${showSpan(ends[0], ends[1], units)}`];
-    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : store.span[1] - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
-    cell('rigWorst', 'Worst place', digits, '', more);
+    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen[0], unseen[1], units)}`] : ends[0] < ends[1] ? ['none', `seen in ${showSpan(ends[0], ends[1], units)}`] : ['not known', 'nobody saw it'];
+    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : Math.min(store.span[1], ends[1]) - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
+    cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
     return cell('rigWhere', 'Hole size', ...holeSize(app));
   }
-  const { start, stop, measure, zone, sure, way, places, sticksAt, worst } = place;
-  const { hanging = [] } = app.string ?? {};
-  const stuck = way ? stuckIn(app, start, stop) : '';
-  const first = stuck || place.first;
-  byId('rigWhereCell').className = stuck || moves ? 'new' : '';
-  const [head, what] = way ? [`${places > 1 ? `Next of ${places} tight places` : 'Tight place'} ${sideOf(place, bit)}`, `${first} sticks`] : [`Worst place: ${zone?.kind}`, IN_WORDS[zone?.kind ?? 'washout']];
-  const [digits, unit] = parts(showSigned(measure, units, units === 'mm' ? 0 : 1));
-  cell('rigWorst', head, digits, `${unit}${Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`}`, `${what}${Number.isNaN(sure) ? ', uncertainty not known' : ''}`);
-  const left = bit === null ? NaN : way ? (stuck ? 0 : (bit - sticksAt) * (way === 'up' ? 1 : -1)) : Math.max(0, bit - stop, start - bit);
+  const { worst, next, count } = found;
+  const stuck = next.tight ? stuckIn(app, next) : -1;
+  byId('rigWhereCell').className = stuck >= 0 || (next.tight && ahead?.moving) ? 'new' : '';
+  /** @param {FirstPlace} of */
+  const kind = ({ tight, zone }) => (tight || !zone ? 'tight' : zone.kind);
+  /** @param {FirstPlace} of */
+  const size = ({ measure }) => showSigned(measure, units, units === 'mm' ? 0 : 1);
+  const [digits, unit] = parts(size(worst));
+  const distant = next === worst ? '' : `, in ${showDepth(worst.left, units, 1)}`;
+  const unsure = Number.isNaN(worst.sure);
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way ? '' : ' place'}${worst.way && ` going ${worst.way}`}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
+  const { hanging = [] } = string ?? {};
+  const first = hanging[stuck]?.name ?? next.first;
   const i = hanging.findIndex(({ name }) => name === first);
-  const unsure = way !== '' && i >= 0 && isUnsure(app, i);
-  const isNow = way && left <= NOW && !unsure;
-  const from = way ? `${first} sticks ${isNow ? '' : 'in'}` : left > NOW ? `${(bit ?? NaN) > stop ? 'Above' : 'Below'} bit` : 'Bit is in it';
-  const other = worst && worst[3] !== sticksAt ? `; worst ${showSigned(worst[2] - 2 * store.bitRadius, units, units === 'mm' ? 0 : 1)} at ${showDepth(worst[0], units, 1)}` : '';
-  const here = isNow ? hanging[i]?.depth : null; // where the body stands
-  cell('rigWhere', from, ...distance(left, units, unsure), (typeof here === 'number' ? `at ${showDepth(here, units, 1)}` : showSpan(start, stop, units)) + other);
+  const may = next.tight && i >= 0 && isUnsure(app, i);
+  const left = bit === null ? NaN : stuck >= 0 ? 0 : next.left;
+  const isNow = left <= NOW && !may;
+  const at = hanging[i]?.depth;
+  const head = `Next${next.way && ` going ${next.way}`}: ${next.tight ? 'sticks' : kind(next)}${isNow ? '' : ' in'}`;
+  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : `${size(next)} at ${showDepth(next.start, units, 1)}`;
+  cell('rigWhere', head, ...distance(left, units, may), `${first}, ${more}`);
 }
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
@@ -186,11 +191,11 @@ function isUnsure(app, i) {
   return !(short > NOW) && (high ?? NaN) + spareOf(/** @type {any} */ (app), i) >= 0;
 }
 
-// Return the name of the body that sticks now between two depths; '' if none does.
-/** @param {App} app @param {number} start @param {number} stop */
-function stuckIn(app, start, stop) {
+// Return the number of the body that sticks now in a place; -1 if none does.
+/** @param {App} app @param {FirstPlace} place */
+function stuckIn(app, { start, stop }) {
   const { hanging = [] } = app.string ?? {};
-  return hanging.find(({ depth }, i) => (depth ?? NaN) > start - NEAR && (depth ?? NaN) < stop + NEAR && sticksNow(app, i))?.name ?? '';
+  return hanging.findIndex(({ depth }, i) => (depth ?? NaN) > start - NEAR && (depth ?? NaN) < stop + NEAR && sticksNow(app, i));
 }
 
 // Return half the interval of a size, behind the number; no less than it is.
@@ -205,21 +210,26 @@ function withIn({ low, high }, units) {
 /** @param {number} metres @param {Units} units @param {boolean} [unsure] @returns {[string, string]} */
 const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && metres <= NOW) ? parts(showDepth(Math.max(0, metres), units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
 
-// Write a row for each of the widest bodies, in the order in which they hang: what it clears now, and how far it moves up or
-// down until it sticks.
+// Write a row for each of the widest bodies beside measured hole, in the order in which they hang: what it clears now, and how far it
+// moves up or down until it sticks. If none of the widest is there, the widest that is has a row. Below them: the widest of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
   const { bodies = [], hanging = [] } = string ?? {};
-  const shown = bodies.map((_, i) => i).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, ROWS).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const wide = widest(bodies);
+  /** @param {number} i */
+  const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
+  const unmeasured = wide.filter((i) => !isMeasured(i));
+  const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
+  const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
   /** @type {string[][]} */
   const rows = shown.map((i) => {
-    const { name = '', clearance = NaN, low = null, high = null, short = 0, at_most: most } = hanging[i] ?? {};
+    const { name = '', clearance = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
     const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
     const isStuck = !isOld && sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
-    const note = Number.isNaN(clearance) || short > NOW ? 'not measured' : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
+    const note = Number.isNaN(clearance) ? 'not measured' : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
       const at = ahead?.bodies[i]?.[side];
       if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
@@ -229,10 +239,11 @@ function writeBodies(app) {
       return missed ? (to ? `≤${to}` : `– not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`) : to || 'none';
     });
     const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
-    const state = short > NOW || isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return [state, note, name, showSigned(short > NOW ? NaN : clearance, units, units === 'mm' ? 0 : 2), ...ways];
+    const state = isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
+    return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
   });
-  const text = JSON.stringify([rows, ahead?.moving]);
+  const lacks = unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
+  const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
   at.dataset.text = text;
@@ -245,32 +256,41 @@ function writeBodies(app) {
     const value = make('p', digits, `${i && state === 'old' ? '' : state} size${'none –'.includes(one) ? ' soft' : ''}`);
     value.append(make('small', unit && ` ${unit}`, digits === '–' ? 'note' : ''), ...(i ? [] : [make('small', note, 'note')]));
     return value;
-  })]));
+  })]), make('p', lacks, 'lacks'));
 }
 
 // Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.
-// If `whole` is true, the texts say how sure a place is, and why data are missing.
+// That nothing comes is first, then what is too tight, the tightest first. If `whole` is true, the texts say how sure a place is, and
+// why data are missing; else several tight places are one text, so that the banner has them all.
 /** @param {App} app @param {boolean} whole */
 export function placesOf(app, whole) {
   const { alarms, view: { units }, zones } = app;
-  const tight = app.store ? waysOf(app).flatMap((way) => placeOn(app, way) ?? []) : [];
-  /** @param {string} name @param {FirstPlace | Zone} of @param {number} sure */
-  const line = (name, { measure, start, stop }, sure) => `${name} ${showSigned(measure, units, units === 'mm' ? 0 : 1)}, ${showSpan(start, stop, units)}${whole && !Number.isNaN(sure) ? `, ${percent(sure)} sure` : ''}`;
-  /** @param {FirstPlace} of */
-  const tightLine = (of) => line(`tight ${sideOf(of, app.bit)}`, of, of.sure);
-  /** @param {Zone} zone */
-  const zoneLine = (zone) => {
+  const tight = app.store ? WAYS.flatMap((way) => tightOn(app, way)) : [];
+  /** @typedef {{ name: string, measure: number, start: number, stop: number, sure: number }} Named */
+  /** @param {FirstPlace} of @returns {Named} */
+  const tightOne = (of) => ({ ...of, name: `tight ${sideOf(of, app.bit)}` });
+  /** @param {Zone} zone @returns {Named} */
+  const zoneOne = (zone) => {
     const own = tight.find((of) => of.zone && overlap(of.zone, zone));
-    return own ? tightLine(own) : line(zone.kind, zone, zone.confidence);
+    return own ? tightOne(own) : { ...zone, name: zone.kind, sure: zone.confidence };
   };
   const feed = alarms.said().map((alarm) => {
     const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
     const way = rest && tight.find(({ way: one }) => one && alarm.includes(SIDES[one]));
-    if (way) return tightLine(way);
+    if (way) return tightOne(way);
     const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
     const zone = zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
-    return zone ? zoneLine(zone) : whole ? alarm : shortOf(alarm);
+    return zone ? zoneOne(zone) : whole ? alarm : shortOf(alarm);
   });
-  const fresh = byConsequence(alarms.zones).map(zoneLine);
-  return [...new Set([...feed, ...fresh.filter((one) => one.startsWith('tight')), ...fresh])];
+  const all = [...feed, ...byConsequence(alarms.zones).map(zoneOne)];
+  /** @param {Named} of */
+  const size = ({ measure }) => showSigned(measure, units, units === 'mm' ? 0 : 1);
+  /** @param {Named | string} of */
+  const line = (of) => (typeof of === 'string' ? of : `${of.name} ${size(of)}, ${showSpan(of.start, of.stop, units)}${whole && !Number.isNaN(of.sure) ? `, ${percent(of.sure)} sure` : ''}`);
+  const places = new Map(all.flatMap((of) => (typeof of === 'object' && of.measure < 0 ? [[line(of), of]] : [])));
+  const narrow = [...places.values()].sort((a, b) => a.measure - b.measure);
+  const others = [...new Set(all.map(line))].filter((text) => !places.has(text));
+  const several = narrow.map((of, i) => `${of.name === narrow[i - 1]?.name ? '' : `${of.name} `}${size(of)} at ${showDepth(of.start, units, 1)}`).join(', ');
+  const isDead = others.filter((text) => text.startsWith('no data'));
+  return [...isDead, ...(whole || narrow.length < 2 ? narrow.map(line) : [several]), ...others.filter((text) => !isDead.includes(text))];
 }

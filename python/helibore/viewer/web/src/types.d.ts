@@ -119,7 +119,7 @@ interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][] }
 type Chance = [sure: number, top: number, bottom: number] | null; // of the place between two depths
 type Way = 'up' | 'down';
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; sticksAt: number; first: string; places: number; worst: TightPlace | null }
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean } // left: metres until `first` meets it
 interface State {
   channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;

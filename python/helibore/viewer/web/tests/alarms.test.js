@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { few, newZones, shortOf } from '../src/alarms.js';
-import { recent, worstOf } from '../src/rig.js';
+import { recent } from '../src/rig.js';
+import { worstOf } from '../src/rig_places.js';
 
 const zone = (kind, start, stop, severity = 1) => ({ kind, start, stop, severity, measure: 0.01, confidence: 0.9 });
 
