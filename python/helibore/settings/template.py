@@ -27,9 +27,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from helibore.base.errors import InputError
+from helibore.base.toml_file import parse_toml
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.settings.declared import Declared, Formerly, at_least, within
-from helibore.settings.toml_reading import TomlSource, parse_toml, read_table
+from helibore.settings.toml_reading import TomlSource, read_table
 
 SizeUnit = Literal["in", "mm", "ft"]
 """The unit of diameters; ft: inches, and feet for depths."""
