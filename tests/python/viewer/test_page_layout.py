@@ -422,3 +422,42 @@ def test_a_saved_wall_of_gauge_starts_with_colours_for_its_own_size(browser: Any
         assert -0.0015 < low <= -0.0008
         assert 0.0008 <= high < 0.0015
         screen.close()
+
+
+def test_the_panel_of_a_narrow_window_cuts_no_value_and_no_choice(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12", (1024, 768), drawn=False)
+    screen.evaluate("(window.__wall.app.path.assumed = true, window.__wall.app.redraw())")
+    screen.until("document.getElementById('readout').innerText.includes('assumed')")
+    assert (
+        screen.evaluate(
+            "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('aside'))"
+        )
+        == 0
+    )
+    lines = "[...document.querySelectorAll('#colour label')].map((one) => one.getClientRects().length)"
+    opened = f"(document.getElementById('colour').open = true, {lines})"
+    assert screen.evaluate(opened) == [1, 1, 1], "each box beside its word"
+    screen.close()
+
+
+@pytest.mark.parametrize("size", [(390, 844), (768, 1024), (1024, 768)])
+def test_in_rig_mode_no_word_is_hidden_or_touches_another(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
+    screen = Screen(browser, viewer.url, "#rig=1", size, drawn=False)
+    screen.settle()
+    boxes = (
+        "(id) => (({ left, right, top, bottom }) => ({ left, right, top, bottom }))"
+        "(document.getElementById(id).getBoundingClientRect())"
+    )
+    lamp, *texts = (screen.page.evaluate(boxes, name) for name in ("rigLamp", "rigAge", "rigAgeMore"))
+    assert not [
+        one
+        for one in texts
+        if lamp["left"] < one["right"] and lamp["top"] < one["bottom"] and one["top"] < lamp["bottom"]
+    ]
+    labels = screen.evaluate("document.getElementById('ink').labels") if size[0] >= 1000 else []
+    sides = sorted(
+        (one["left"], one["right"]) for one in labels if one["text"] in ("up", "down", "U", "D") and one["top"] < 80
+    )
+    assert all(one[1] + 2 < other[0] for one, other in itertools.pairwise(sides)), sides
+    assert bool(sides) == (size[0] >= 1000)
+    screen.close()

@@ -142,7 +142,7 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
   /** @param {number} v */
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
   ink.font = BOLD;
-  const title = fitting(ink, [`Caliper [${unit}]`, `Cal. ${unit}`, 'Cal.'], width - 8);
+  const title = fitting(ink, [`Caliper [${unit}]`, `Cal. ${unit}`, 'Cal.'], width - 4);
   label(ink, title, left + 2, 11, { colour: palette.ink, font: BOLD });
   ink.font = SMALL;
   if (store.basis === 'average') label(ink, fitting(ink, ['mean, shape not measured', 'mean, no shape', 'mean'], width - 4), left + 2, 29, { colour: palette.max, font: SMALL });

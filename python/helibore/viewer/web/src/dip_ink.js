@@ -173,7 +173,7 @@ function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palett
   edges(ink, sharp(rect), palette.line);
   const title = (path.surveyed ? dips.true : dips.apparent).split(/ (?=dip)/); // in two lines: the track is narrow
   title.forEach((words, i) => label(ink, words, left + 2, 11 + 16 * i, { colour: palette.ink, font: BOLD }));
-  for (const degrees of dips.lines) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });
+  for (const degrees of dips.lines) if (width > 75 || degrees % 90 === 0) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });
   within(ink, rect, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];

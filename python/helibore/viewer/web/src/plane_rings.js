@@ -5,6 +5,8 @@ import { planeDepth, wallPoint } from './dips.js';
 import { BOLD, HEAD, label, PALETTES, within } from './layout.js';
 import { showAngle, showDepth } from './units.js';
 
+const LEAST = 70; // pixels across a ring that is named
+
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu */
 export function drawRings(ink, look, planes, gpu) {
   for (const { plane, colour, stroke } of linesOf(ink, look, planes)) ring(ink, look, plane, colour, stroke, gpu);
@@ -33,10 +35,11 @@ function ring(ink, { view, path, rects, store, held }, plane, colour, stroke, gp
     if (outside) return;
     const angles = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
     const lettering = { colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD, yields: true };
-    const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
-    if (!held || plane.pick !== held.pick) return deepest && label(ink, angles, ...deepest, { ...lettering, near: [[0, 18], [0, -18], [40, 0], [-40, 0]] });
     const seen = points.filter((point) => point !== null);
     const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
+    const small = Math.max(...y) - Math.min(...y) < LEAST; // far away, where angles would cover each other
+    const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
+    if (!held || plane.pick !== held.pick) return deepest && !small && label(ink, angles, ...deepest, { ...lettering, near: [[0, 18], [0, -18], [40, 0], [-40, 0]] });
     const left = (Math.min(...x) + Math.max(...x)) / 2;
     return [`${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].forEach((text, i) => label(ink, text, left, Math.min(Math.max(...y) + 16, rects.wall.height - 60) + 16 * i, { ...lettering, yields: false }));
   });

@@ -140,7 +140,7 @@ function letters(ink, { view, path, rects }, known, palette) {
   const { left, width } = rects.image;
   const { letters: sides, reference } = CUTS[view.cut];
   const edge = leftEdge(path, view.cut, view.middle).toolface;
-  const names = known ? sides.map((side) => (view.rig && SIDES[side]) || side) : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
+  const names = known ? sides.map((side) => (view.rig && width > 130 && SIDES[side]) || side) : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
   names.forEach((name, i) => {
     const x = left + (i / 4) * width;
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
@@ -166,7 +166,7 @@ export function outside({ view, store, growing }, rect) {
   /** @param {number} depth @param {boolean} drilled @param {string} end */
   const words = (depth, drilled, end) => {
     const at = showDepth(depth, view.units, 1);
-    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`] : [`${end} of data, ${at}`, `${end} of data`];
+    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`, at] : [`${end} of data, ${at}`, `${end} of data`];
   };
   return [
     { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: words(shallow, !down, 'start') },

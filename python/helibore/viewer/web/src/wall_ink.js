@@ -73,7 +73,7 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
     const frame = path.at(depth);
     const [at, axis] = [gpu.project(frame, rect, gpu.aside(frame, beside)), gpu.project(frame, rect)];
-    if (!at || !axis || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
+    if (!at || !axis || at[1] < HEAD + 8 || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
     used.push(at);
     const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
     const text = showDepth(depth, view.units, digits);
