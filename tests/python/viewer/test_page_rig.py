@@ -112,7 +112,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         worse = "tight: at 2003.50 m the diameter is 16.0 mm below the bit diameter"
         scene.update_state(alarms=(*others, worse, *alarms))
         screen.until("document.getElementById('alarmText').textContent.includes('more')")
-        several = f"Tight above −16 mm at {far.start:.1f} m, {size} at {zone.start:.1f} m, +1 more"
+        several = f"Tight −16 mm at {far.start:.0f}, {size} at {zone.start:.0f} m, +1 more"
         assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", several], "none of them is hidden"
         scene.update_state(alarms=alarms)
         scene.update_state(bit_depth=2018.4)
@@ -335,6 +335,8 @@ def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None
         screen.until("document.getElementById('rigWorst').textContent.startsWith('not known')")
         top, bottom = map(float, re.findall(r"[\d.]+", screen.inner_text("#rigWorstMore").removesuffix(" m")))
         assert (top, bottom) == pytest.approx((2008.5, 2011.5), abs=0.4), "a radius has samples within a metre"
+        where = screen.evaluate(f"({CELL})('rigWhere')")
+        assert where == ["Next going up: unseen hole in", f"{2024.0 - bottom:.1f} m", "bit"]
         viewer.scene.update_state(bit_depth=2090.0, hole_depth=2090.0)
         screen.until("document.getElementById('rigWorstMore').textContent === 'nobody saw it'")  # no hole near the bit
         screen.close()

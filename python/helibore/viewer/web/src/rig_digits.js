@@ -5,9 +5,9 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent } from './rig.js';
-import { placesAhead, reach, tightOn, WAYS, widest } from './rig_places.js';
+import { meeting, placesAhead, reach, tightOn, UNSEEN, WAYS, widest } from './rig_places.js';
 import { turn } from './turns.js';
-import { depthNumber, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
@@ -99,20 +99,21 @@ function parts(text) {
 const LEAST_UNSEEN = 0.5; // metres
 const BY = 0.25; // metres from one turn that is looked at to the next
 
-// Return the ends of the first stretch of hole between two depths that no sensor saw; null if there is none.
-/** @param {Store} store @param {number[]} ends @returns {Pair | null} */
+// Return the ends of each stretch of hole between two depths that no sensor saw.
+/** @param {Store} store @param {number[]} ends @returns {Pair[]} */
 function unseenIn(store, [top, bottom]) {
   const [level] = store.levels;
-  let from = bottom;
+  /** @type {Pair[]} */
+  const found = [];
+  let from = top;
   for (let depth = top; depth < bottom; depth += BY) {
     const row = Math.floor((depth - level.startDepth) / level.pitch);
     const first = row * level.sectors;
-    const isSeen = !level.locate(first).tile || turn(store, level, first).some((radius) => radius > 0); // what the page has not loaded yet is no gap
-    if (!isSeen) from = Math.min(from, depth);
-    else if (depth - from >= LEAST_UNSEEN) return [from, depth];
-    else from = bottom;
+    if (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)) continue; // what the page has not loaded yet is no gap
+    if (depth - from >= LEAST_UNSEEN) found.push([from, depth]);
+    from = depth + BY;
   }
-  return null;
+  return found;
 }
 
 // Write the worst place ahead, how sure it is and where; and what the string meets next, which may be the same place.
@@ -124,11 +125,12 @@ function writeWorst(app) {
   if (!found) {
     const ends = reach(app);
     byId('rigWhereCell').className = '';
-    const unseen = unseenIn(store, ends);
-    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen[0], unseen[1], units)}`] : ends[0] < ends[1] ? ['none', `seen in ${showSpan(ends[0], ends[1], units)}`] : ['not known', 'nobody saw it'];
+    const [unseen] = unseenIn(store, ends).map(([start, stop]) => ({ start, stop, met: meeting(app, { kind: UNSEEN, start, stop }) })).sort((a, b) => (a.met?.left ?? 1e9) - (b.met?.left ?? 1e9));
+    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : ends[0] < ends[1] ? ['none', `seen in ${showSpan(ends[0], ends[1], units)}`] : ['not known', 'nobody saw it'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : Math.min(store.span[1], ends[1]) - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
-    return cell('rigWhere', 'Hole size', ...holeSize(app));
+    if (digits !== 'not known' || !unseen?.met) return cell('rigWhere', 'Hole size', ...holeSize(app));
+    return cell('rigWhere', `Next going ${unseen.met.way}: ${UNSEEN} in`, ...distance(unseen.met.left, units), unseen.met.first);
   }
   const { worst, next, count } = found;
   const stuck = next.tight ? stuckIn(app, next) : -1;
@@ -290,7 +292,7 @@ export function placesOf(app, whole) {
   const places = new Map(all.flatMap((of) => (typeof of === 'object' && of.measure < 0 ? [[line(of), of]] : [])));
   const narrow = [...places.values()].sort((a, b) => a.measure - b.measure);
   const others = [...new Set(all.map(line))].filter((text) => !places.has(text));
-  const several = narrow.map((of, i) => `${of.name === narrow[i - 1]?.name ? '' : `${of.name} `}${size(of)} at ${showDepth(of.start, units, 1)}`).join(', ');
+  const several = `tight ${narrow.map((of) => `${size(of)} at ${depthNumber(of.start, units, 0)}`).join(', ')} ${depthUnit(units)}`;
   const isDead = others.filter((text) => text.startsWith('no data'));
   return [...isDead, ...(whole || narrow.length < 2 ? narrow.map(line) : [several]), ...others.filter((text) => !isDead.includes(text))];
 }

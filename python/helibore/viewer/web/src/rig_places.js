@@ -10,7 +10,8 @@ const BEYOND = 3; // metres in view beyond the bit and the worst place
 const STEP = 5; // metres by which the section becomes longer
 /** @type {Way[]} */
 export const WAYS = ['up', 'down'];
-const HOLDS = ['undergauge', 'key seat']; // zones in which the string may stick
+export const UNSEEN = 'unseen hole';
+const HOLDS = [UNSEEN, 'undergauge', 'key seat']; // hole in which the string may stick
 
 // Return the numbers of the widest bodies, in the order in which they hang.
 /** @param {RigidBody[]} bodies */
@@ -36,19 +37,20 @@ export function reach(app) {
   return [Math.max(span[0], bit - length - (ways.includes('up') ? RECENT : 0)), Math.min(span[1], bottom)];
 }
 
-// Return how far the bit moves on a way until the first of the bodies that matter meets a zone, and the name of this body; null if
-// all are past it. Where the string may stick, the widest bodies matter; else the bit.
-/** @param {App} app @param {Zone} zone @param {Way} way @returns {[left: number, first: string] | null} */
-function meeting({ string, bit }, { kind, start, stop }, way) {
+// Return what the string meets a stretch of hole with first, and how far the bit moves until then, on the shorter of the ways it may
+// take; null if all bodies that matter are past it. Where the string may stick, the widest matter; else the bit.
+/** @param {App} app @param {{ kind: string, start: number, stop: number }} stretch @returns {Meeting | null} */
+export function meeting(app, { kind, start, stop }) {
+  const { string, bit } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   const own = HOLDS.includes(kind) ? widest(bodies) : [];
   const all = own.length ? own.map((i) => /** @type {const} */ ([...bodies[i], hanging[i]?.name ?? 'string'])) : [/** @type {const} */ ([0, 0, 0, 'bit'])];
-  const met = all.flatMap(([, length, position, name]) => {
+  const met = waysOf(app).flatMap((way) => all.flatMap(([, length, position, first]) => {
     const lower = (bit ?? NaN) - position;
     const [left, passed] = way === 'up' ? [lower - length - stop, start - lower] : [start - lower, lower - length - stop];
-    return passed < 0 ? [/** @type {[number, string]} */ ([Math.max(0, left), name])] : [];
-  });
-  return met.sort((a, b) => a[0] - b[0])[0] ?? null;
+    return passed < 0 ? [{ left: Math.max(0, left), first, way }] : [];
+  }));
+  return met.sort((a, b) => a.left - b.left)[0] ?? null;
 }
 
 // Return the tight places of one way, the nearest first: that at which the string sticks next, and the tightest.
@@ -74,10 +76,7 @@ export function placesAhead(app) {
   const ways = waysOf(app);
   const tight = ways.flatMap((way) => tightOn(app, way));
   const others = byConsequence(zones.filter(({ start, stop }) => stop > ends[0] && start < ends[1] && !tight.some((of) => of.start < stop && start < of.stop))).flatMap((zone) => {
-    const [met] = ways.flatMap((way) => {
-      const found = meeting(app, zone, way);
-      return found ? [{ left: found[0], first: found[1], way }] : [];
-    }).sort((a, b) => a.left - b.left);
+    const met = meeting(app, zone);
     const { start, stop, measure, confidence: sure } = zone;
     return met || bit === null ? [/** @type {FirstPlace} */ ({ start, stop, measure, zone, sure, tight: false, ...(met ?? { left: NaN, first: 'bit', way: '' }) })] : [];
   });

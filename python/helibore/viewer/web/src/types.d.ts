@@ -119,6 +119,7 @@ interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][] }
 type Chance = [sure: number, top: number, bottom: number] | null; // of the place between two depths
 type Way = 'up' | 'down';
+interface Meeting { left: number; first: string; way: Way }
 interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean } // left: metres until `first` meets it
 interface State {
   channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
