@@ -18,6 +18,7 @@ const HANDLE = 20; // degrees around the crest or the trough of a sine in which 
 const LEAST = { opening: 5, height: 0.02, turn: 45 }; // of a box that is dragged; degrees that a sine is dragged along
 const PATIENCE = { answer: 15_000, again: 5000 }; // milliseconds: for an answer of the server, before a change is sent again
 const AROUND = Array.from({ length: 12 }, (_, i) => 30 * i);
+const BESIDE = 0.25; // metres along the hole, above and below a place: grooves are narrower
 const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
@@ -39,6 +40,16 @@ const unitOfField = (name, units) => (isDepth(name) ? LENGTHS[units].depth.scale
 const turned = (degrees) => ((degrees % 360) + 360) % 360;
 /** @param {number} a @param {number} b */
 const apart = (a, b) => Math.abs(turned(a - b + 180) - 180);
+
+// Return the radius at which a plane through a place is seen. A line of sight from the axis enters a groove at the wall beside it,
+// not at its ground, and the edge of a washout at its narrower side: so it is the lower quartile of the radii above and below.
+/** @param {Store} store @param {number} k */
+function rimOf(store, k) {
+  const { sectors, pitch } = store.levels[0];
+  const most = Math.floor(BESIDE / Math.abs(pitch));
+  const radii = Array.from({ length: 2 * most + 1 }, (_, i) => store.vertex(k + (i - most) * sectors)?.radius ?? NaN).filter(Number.isFinite).sort((a, b) => a - b);
+  return radii[Math.floor(radii.length / 4)];
+}
 
 export class Picking {
   on = false;
@@ -178,7 +189,7 @@ export class Picking {
     return this.app.redraw();
   }
 
-  // Return a point of the wall with the wall's radius; where no radius is measured, with bit radius, and the card says so.
+  // Return a point of the wall with the radius of the wall around it; where no radius is measured, with bit radius, and the card says so.
   // `seen` is whether anything was measured there.
   /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface, image }) {
@@ -187,7 +198,7 @@ export class Picking {
     const has = (/** @type {number} */ i) => Number.isFinite(store.attributeAt(i, { depth, toolface }));
     const own = store.attributes.findIndex(({ name }) => name === image);
     const seen = own >= 0 ? has(own) : quad !== null || store.attributes.some((_, i) => has(i));
-    return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
+    return { depth, toolface, radius: quad ? rimOf(store, quad.k) : store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
   }
 
   // Return the plane of a kept pick on the present path.
