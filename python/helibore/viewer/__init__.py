@@ -443,7 +443,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
     """Return the images and attributes of a wall, one value for each quad; images in the colours of `helibore.plot`."""
     values: dict[str | Attribute, npt.ArrayLike] = {}
     for name, image in getattr(wall, "images", {}).items():
-        attribute = replace(Attribute.usual(name, image.unit), rows=even_rows(image, abs(wall.settings.pitch)))
+        attribute = replace(Attribute.usual(name, image.unit), rows=even_rows(image))
         with contextlib.suppress(InputError):  # a constant or empty image: the feed chooses the limits
             scale = image_scale(image)
             attribute = Attribute(name, image.unit, scale.low, scale.high, scale.log, scale.color_map, attribute.rows)
@@ -455,11 +455,11 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
     return values
 
 
-def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
-    """Return the upper edge of the first row and a row's height; None if rows are uneven or thinner than a turn."""
+def even_rows(image: SectorImage) -> tuple[float, float] | None:
+    """Return the upper edge of the first row and a row's height; None if rows are uneven."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
-    if step < pitch * (1 - 1e-6):
-        return None  # the wall does not have all rows of the image
+    if step <= 0:
+        return None
     count = round((image.depth[-1] - image.depth[0]) / step)
     step = float(image.depth[-1] - image.depth[0]) / count
     place = (image.depth - image.depth[0]) / step

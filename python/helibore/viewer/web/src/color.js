@@ -50,8 +50,8 @@ export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [
 /** @param {Pick<Store, 'attributes' | 'basis'>} store @returns {Quantity[]} */
 export function quantities(store) {
   const [low, high] = [NaN, NaN];
-  const own = store.attributes.map(({ name, unit, log, color_map: map, rows }, attribute) => (
-    { id: name, name: name === 'difference' ? 'this less earlier passes' : name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm', rows }
+  const own = store.attributes.map(({ name, unit, log, color_map: map, rows, thin }, attribute) => (
+    { id: name, name: name === 'difference' ? 'this less earlier passes' : name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm', rows, thin }
   ));
   const wall = [
     { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low, high, map: 'over-bit' },

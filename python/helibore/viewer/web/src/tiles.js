@@ -97,7 +97,6 @@ export class Store {
   constructor(handshake) {
     this.session = handshake.session;
     this.basis = handshake.basis;
-    this.attributes = handshake.attributes;
     const intervals = handshake.intervals ?? [];
     this.intervals = intervals.filter(([, , , track]) => !track); // formations, whose tops cross all tracks
     this.placed = intervals.filter(([, , , track]) => track); // casings, mud log: in tracks of their own
@@ -109,6 +108,8 @@ export class Store {
     const { start_depth: startDepth, start_toolface: startToolface } = handshake;
     this.levels = handshake.levels.map((shape) => new Level({ ...shape, startDepth, startToolface }));
     this.levels[0].size = handshake.vertices;
+    const pitch = Math.abs(this.levels[0].pitch) * (1 - 1e-6);
+    this.attributes = handshake.attributes.map((one) => (one.rows && one.rows[1] < pitch ? { ...one, rows: null, thin: one.rows[1] } : one));
     this.clock = 0;
   }
 

@@ -6,7 +6,7 @@ import { drawColours, POINT, valueText } from './color_bar.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, OUTSIDE, pointer, SPARSE } from './strokes.js';
-import { depthNumber, depthUnit, LENGTHS, showDepth, unitOf } from './units.js';
+import { depthNumber, depthUnit, inMetres, LENGTHS, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones, letterZones, nameZones, STRIP } from './zones.js';
 
@@ -116,12 +116,12 @@ function bar(ink, look, left, width, palette) {
 }
 
 /** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
-function legend(ink, { view, quantity, store: { basis }, rects: { image } }, left, palette) {
-  if (view.rig) return label(ink, quantity.length ? `${unitOf(quantity, view.units)} ${quantity.name.toLowerCase()}` : quantity.name, left, 52, { colour: palette.ink, font: SMALL });
+function legend(ink, { view, quantity, store: { basis, levels }, rects: { image } }, left, palette) {
+  if (view.rig) return void label(ink, quantity.length ? `${unitOf(quantity, view.units)} ${quantity.name.toLowerCase()}` : quantity.name, left, 52, { colour: palette.ink, font: SMALL });
   /** @type {[string, typeof DENSE][]} */
   const signs = [['no data', DENSE]];
   if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') signs.push(['interpolated', SPARSE]);
-  signs.reduce((x, [text, hatching]) => {
+  const end = signs.reduce((x, [text, hatching]) => {
     if (x + 16 + ink.measureText(text).width > image.left + image.width) return x;
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
@@ -129,6 +129,7 @@ function legend(ink, { view, quantity, store: { basis }, rects: { image } }, lef
     label(ink, text, x + 16, 52, { colour: palette.soft, font: SMALL });
     return x + 28 + ink.measureText(text).width;
   }, left);
+  if (quantity.thin) label(ink, `rows of ${inMetres(quantity.thin)}, drawn each ${inMetres(Math.abs(levels[0].pitch))}`, end, 52, { colour: palette.cursor, font: SMALL, yields: true });
 }
 
 /** @type {Record<string, string>} */

@@ -46,7 +46,7 @@ interface Palette {
 
 // The wall.
 interface Shape { sectors: number; pitch: number; rows: number; rings?: boolean; startDepth: number; startToolface: number }
-interface Attribute { name: string; unit: string; log: boolean; color_map: string; rows?: Pair | null }
+interface Attribute { name: string; unit: string; log: boolean; color_map: string; rows?: Pair | null; thin?: number } // thin: height of rows of which the wall has not all
 interface Quad { k: number; depth: number; toolface: number; radius: number; first: number; nearest: number; state: number; attributes: number[] }
 interface Bend { top: number; length: number; share(depth: number): number; depth(share: number): number } // true depths in view; measured depth to a share of the height of a track, and back
 interface Piece { tile: Tile; top: number; bottom: number }
@@ -54,7 +54,7 @@ interface FramesTexture { texture: Texture; first: number; origin: Vector; versi
 interface Frame { centre: Vector; high: Vector; right: Vector; tangent: Vector }
 interface Quantity {
   id: string; name: string; mode: number; low: number; high: number; map: string; log: boolean; dynamic: boolean; inView: boolean; chosen: boolean;
-  attribute?: number; unit?: string; length?: boolean; rows?: Pair | null;
+  attribute?: number; unit?: string; length?: boolean; rows?: Pair | null; thin?: number;
 }
 type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'inView' | 'chosen'>>;
 interface Cursor { depth: number; toolface: number | null }
@@ -110,7 +110,7 @@ interface CurveValues { depth: Float64Array; values: Float32Array; step: number 
 type NamedInterval = [name: string, start: number, stop: number | null, track?: string, diameter?: number];
 interface Handshake {
   intervals?: NamedInterval[]; plan?: number[][];
-  session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
+  session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; north?: string; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells

@@ -87,3 +87,6 @@ export const showClock = (seconds) => {
 
 /** @param {number} count */
 export const showCount = (count) => count.toLocaleString('en').replaceAll(',', '\u2009');
+
+/** @param {number} m */
+export const inMetres = (m) => `${Number(m.toPrecision(4))} m`;
