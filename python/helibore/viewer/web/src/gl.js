@@ -117,12 +117,20 @@ export class Context {
   /** @param {WebGL2RenderingContext} gl @param {Record<string, [string, string]>} shaders */
   constructor(gl, shaders) {
     this.gl = gl;
-    this.programs = Object.fromEntries(Object.entries(shaders).map(([name, pair]) => [name, new Program(this, ...pair)]));
+    /** @type {Record<string, Program>} */
+    this.programs = {};
+    for (const [name, pair] of Object.entries(shaders)) this.add(name, pair);
     /** @type {Map<string, WebGLBuffer>} */
     this.grids = new Map();
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.enable(gl.SCISSOR_TEST);
+  }
+
+  // Add a program, unless it is there already.
+  /** @param {string} name @param {[string, string]} pair */
+  add(name, pair) {
+    this.programs[name] ??= new Program(this, ...pair);
   }
 
   // Draw `count` indices, from number `first` on, of the index buffer `key`; if it is new, `make` returns its indices.

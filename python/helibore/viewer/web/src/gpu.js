@@ -8,6 +8,7 @@ import { Q_ATTRIBUTE, themed } from './color.js';
 import { pixelRatio, SOFTWARE } from './device.js';
 import { Context } from './gl.js';
 import { eyeDepth, placeInside, WIDE } from './inside.js';
+import { loaded } from './late.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
@@ -23,7 +24,6 @@ export const PROGRAMS = {
   pick: [shaders.WALL_VERTEX, shaders.PICK_FRAGMENT],
   image: [shaders.IMAGE_VERTEX, shaders.IMAGE_FRAGMENT],
   column: [shaders.COLUMN_VERTEX, shaders.COLUMN_FRAGMENT],
-  bit: [shaders.BIT_VERTEX, shaders.BIT_FRAGMENT],
 };
 
 export class Gpu {
@@ -42,6 +42,7 @@ export class Gpu {
     this.head = { left: 0, raised: 0 }; // viewing direction of the camera inside, radians from along the hole
     this.camera = this.outside;
     this.width = this.height = this.ratio = 0;
+    this.share = 1; // of the pixels in each direction
     /** @type {Piece[]} */
     this.drawn = [];
     this.stats = { triangles: 0, tiles: 0, pictures: 0 };
@@ -71,6 +72,7 @@ export class Gpu {
   /** @param {Looks} look @param {number} [share] of the pixels in each direction */
   draw(look, share = 1) {
     if (this.gl.isContextLost()) return undefined;
+    this.share = share;
     this.setRatio(pixelRatio(this.canvas) * share);
     this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
     this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
@@ -200,6 +202,8 @@ export class Gpu {
     this.drawn = (inside ? split(look.wallPieces, eyeDepth(look), radius) : look.wallPieces).filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
     if (program === 'pick') this.drawn = this.drawn.slice(0, MOST_PICKED);
     const projectionMatrix = this.camera.projection;
+    const more = inside && program === 'wall' ? loaded() : undefined;
+    if (more) this.context.add('inside', [shaders.WALL_VERTEX, shaders.INSIDE + more.INSIDE_FRAGMENT]);
     this.drawn.forEach((piece, index) => { // the overview comes first in the list and lies under the wall
       const { tile } = piece;
       const { level } = tile;
@@ -209,17 +213,18 @@ export class Gpu {
         rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel * (inside ? Math.min(1, radius / away) : 1), level.rows / 4), // from inside the wall is seen at a slant
       };
       const [a, b] = slanted(piece);
-      this.context.programs[program].use({
+      this.context.programs[more ? 'inside' : program].use({
         ...this.common(tile, look),
         projectionMatrix,
         modelViewMatrix: this.camera.modelView(minus(this.textures(tile).path(path).origin, this.origin)),
         tube,
+        steep: inside ? [2, 2] : [1, tube], // from inside the texture of a wall is seen as it is, however wide the hole is drawn
         shape: view.shape || 1,
         stride: strides.rows,
-        median: view.median,
+        median: inside && view.median < 3 ? 0 : view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,
-        ...(inside ? { lamp: view.length, dark: false, colours: colourTexture(look.quantity.map) } : { lamp: 0 }), // the colour of the light page, as rock under a lamp
+        ...(inside ? { lamp: view.length, fine: this.share === 1, dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
         number: index + 1,
         ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });
@@ -297,12 +302,14 @@ export class Gpu {
 
   /** @param {Look} look */
   bit({ store, path, view, bitDepth }) {
-    if (bitDepth === null || bitDepth < view.top || bitDepth > view.bottom) return;
+    const more = loaded();
+    if (!more || bitDepth === null || bitDepth < view.top || bitDepth > view.bottom) return;
+    this.context.add('bit', more.BIT);
     const frame = path.at(bitDepth);
     const size = store.bitRadius * view.tubeFactor(store);
     const axes = [frame.high, frame.tangent, frame.right].map((axis) => scaled(eastNorthUp(axis), size));
     this.context.programs.bit.use({ modelViewMatrix: this.camera.modelView(this.position(frame), axes), projectionMatrix: this.camera.projection });
-    this.gl.drawArrays(this.gl.TRIANGLES, 0, shaders.BIT_CORNERS);
+    this.gl.drawArrays(this.gl.TRIANGLES, 0, more.BIT_CORNERS);
   }
 
   // Place the camera beside the section so that the whole section is in view.

@@ -3,11 +3,13 @@
 
 import { messageOf } from './errors.js';
 
+export const loaded = () => /** @type {{ more?: typeof import('./more.js') }} */ (globalThis).more;
+
 // Return what more.js has; undefined until it is here, after which `app` is drawn anew, at the section of rig mode.
 /** @param {App} app */
 export function late(app) {
   const { renderer } = app;
-  const { more } = /** @type {{ more?: typeof import('./more.js') }} */ (globalThis);
+  const more = loaded();
   if (more || renderer.loading) return more;
   renderer.loading = true;
   import(String(new URL(`more.js${location.search}`, location.href))).then(() => {

@@ -112,9 +112,9 @@ vec3 glowing(vec3 colour, int k) {
 
 const RADII = /* glsl */ `
 uniform float shape;
-uniform int median, stride; // stride: of the rows that are drawn
+uniform int median, stride; // median 0: rounded; stride: of the rows that are drawn
 float radiusAt(int k) {
-  if (k < 0 || k >= K * (rows + 1)) return -1.0;
+  if (k < 0 || k > K * (rows + 1)) return -1.0;
   uvec4 t = texel(k);
   uint r = firstPass ? t.y : t.x;
   return r == 0u ? -1.0 : float(r) * radiusUnit;
@@ -122,7 +122,17 @@ float radiusAt(int k) {
 void order(inout float a, inout float b) { float m = min(a, b); b = max(a, b); a = m; }
 float smoothRadius(int k) {
   float c = radiusAt(k);
-  if (median < 3 || c < 0.0) return c;
+  if (c < 0.0) return c;
+  if (median == 0) { // from inside an edge is seen from near: round off its steps, but not where the next tile has to meet this one
+    if (k < K || k >= K * rows) return c;
+    float sum = 0.0;
+    for (int i = 0; i < 9; i++) {
+      float r = radiusAt(k + i % 3 - 1 + (i / 3 - 1) * K);
+      sum += (r < 0.0 ? c : r) * (i % 3 == 1 ? 4.0 : 1.0) * (i / 3 == 1 ? 4.0 : 1.0);
+    }
+    return sum / 36.0;
+  }
+  if (median < 3) return c;
   float a = radiusAt(k - K), e = radiusAt(k + K);
   if (a < 0.0) a = c;
   if (e < 0.0) e = c;
@@ -144,9 +154,10 @@ float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - b
 
 export const WALL_VERTEX = /* glsl */ `${COMMON}${RADII}
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform float tube, lamp;
+uniform float tube;
+uniform vec2 steep; // how strongly slopes around and along the hole are shaded
 out vec2 grid;
-out vec3 seen, normal, outwards; // as the camera sees them; outwards is the normal of a round, smooth hole
+out vec3 seen, normal, outwards, axis; // as the camera sees them; outwards is the normal of a round, smooth hole
 out float depthHere;
 
 void main() {
@@ -163,10 +174,11 @@ void main() {
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
   vec3 out1 = cos(toolface) * high + sin(toolface) * right;
-  vec2 slant = clamp(slopes(at, R) * (lamp > 0.0 ? vec2(2.0) : vec2(1.0, tube)), -1.5, 1.5); // the lamp shows the texture of a wall as it is, however wide the hole is drawn
+  vec2 slant = clamp(slopes(at, R) * steep, -1.5, 1.5);
   mat3 turned = mat3(modelViewMatrix);
   outwards = turned * out1;
-  normal = turned * (out1 - slant.x * (cos(toolface) * right - sin(toolface) * high) - slant.y * cross(high, right));
+  axis = turned * cross(high, right);
+  normal = outwards - slant.x * cross(axis, outwards) - slant.y * axis;
   vec4 seenAt = modelViewMatrix * vec4(centre + R * tube * out1, 1.0);
   grid = vec2(float(col), float(row));
   seen = seenAt.xyz;
@@ -185,50 +197,43 @@ int quad(float depth) {
 
 const QUAD = /* glsl */ `
 in vec2 grid;
-in vec3 seen, normal, outwards;
+in vec3 seen, normal, outwards, axis;
 in float depthHere;
 uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 ${CELL}`;
 
-export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}
-uniform float lamp;           // metres that the lamp beside the eye reaches; 0: daylight, seen from outside
-out vec4 colour;
-void main() {
-  if (depthHere < top || depthHere > bottom) discard;
-  int k = quad(depthHere);
-  bool gap = missing(k);
-  if (gap && (lamp == 0.0 || k + (rings ? 0 : K + 1) >= size)) discard;
+// The colour of the wall in 3-D, without light. In a gap, and where the wall is interpolated, stripes lie on it.
+const ROCK = /* glsl */ `
+vec3 rock(int k, float v, bool gap) {
   uint state = texel(k).w;
   bool between = mode != 5 && (state & 0x800u) != 0u;
-  float unsure = gap || mode == 5 ? 0.0 : between ? 0.8 : doubt(state);
-  ivec2 screen = ivec2(gl_FragCoord.xy); // from outside, of two pixels of interpolated wall one is left out; of eight that are in doubt by 4 mm and more one, none beside another
-  if (lamp == 0.0 && (between ? ((screen.x + screen.y) & 1) == 0 : unsure >= 0.5 && ((screen.x * 3 + screen.y) & 7) == 0)) discard;
-  float v = value(k);
-  float rowsHere = fwidth(grid.y);
-  float under = lamp > 0.0 && known(v) ? rowsHere : 0.0; // rows under one pixel, far along the hole: show their mean
-  float sum = v, count = 1.0;
-  for (int i = 1; i < min(int(under), 8); i++) {
-    int other = k + K * (i % 2 == 0 ? i / 2 : -i / 2 - 1);
-    float w = other < 0 || other >= K * rows ? notANumber() : value(other);
-    if (known(w)) { sum += w; count += 1.0; }
-  }
-  v = sum / count;
   vec3 plain = vec3(dark ? 0.24 : 0.80);
-  vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, 0.6 * unsure);
-  if (gap || between || !known(v)) { // stripes on the wall, dense where there is no data
+  vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, gap || mode == 5 ? 0.0 : between ? 0.48 : 0.6 * doubt(state));
+  if (gap || between || !known(v)) { // dense where there is no data
     float at = (grid.x / float(K) * 24.0 + (between && !gap ? 1.0 : -1.0) * depthHere / (0.2618 * bitRadius)) * (between && !gap ? 1.0 : 2.0);
     float wide = fwidth(at), stripe = smoothstep(0.3 + wide, 0.3, abs(fract(at) - 0.5) + 0.1);
     base = mix(base, plain * 0.6, (between && !gap ? 0.35 : 0.8) * (1.0 - stripe) * smoothstep(0.7, 0.2, wide));
   }
+  return base;
+}
+`;
+
+export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}${ROCK}
+out vec4 colour;
+void main() {
+  int k = quad(depthHere);
+  if (depthHere < top || depthHere > bottom || missing(k)) discard;
+  uint state = texel(k).w;
+  bool between = mode != 5 && (state & 0x800u) != 0u;
+  ivec2 screen = ivec2(gl_FragCoord.xy); // of two pixels of interpolated wall one is left out; of eight that are in doubt by 4 mm and more one, none beside another
+  if (between ? ((screen.x + screen.y) & 1) == 0 : mode != 5 && doubt(state) >= 0.5 && ((screen.x * 3 + screen.y) & 7) == 0) discard;
   float facing = abs(dot(normalize(normal), normalize(seen)));
-  if (lamp > 0.0) { // compared with a smooth hole, so that the relief is seen as far as the light reaches
-    float relief = facing / max(abs(dot(normalize(outwards), normalize(seen))), 0.04);
-    float far = 2.0 * length(seen) / lamp;
-    base *= vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.1, 1.2) * (1.08 / (1.0 + 1.4 * far * far));
-  } else base = lit(base, 0.75 * facing + 0.25 * max(0.0, dot(normalize(normal) * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6)))));
+  vec3 base = lit(rock(k, value(k), false), 0.75 * facing + 0.25 * max(0.0, dot(normalize(normal) * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6)))));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
+// What the shader of the wall seen from inside begins with (late_shaders.js).
+export const INSIDE = COMMON + COLOUR + RADII + QUAD + ROCK;
 
 // The straightened hole: depth runs down the picture. If the user has not turned it, the left edge of the image is at the
 // left, and the last quarter of the image is in front. The right half of the front is cut away.
@@ -271,32 +276,6 @@ void main() {
   float v = value(k);
   vec3 base = missing(k) ? nothing() : lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
   colour = vec4(glowing(dotted(base, k), k), 1.0);
-}
-`;
-
-// The bit: steel, lit as the wall is; an outline of radius 1 turned around the hole, its nose at the bit's depth.
-export const BIT_CORNERS = 6 * 6 * 24;
-export const BIT_VERTEX = /* glsl */ `
-uniform mat4 modelViewMatrix, projectionMatrix;
-out vec3 seen;
-const vec2 OUTLINE[7] = vec2[](vec2(0, 0), vec2(0.6, -0.2), vec2(1, -0.7), vec2(1, -1.3), vec2(0.5, -1.6), vec2(0.5, -2.4), vec2(0, -2.4));
-void main() {
-  int corner = gl_VertexID % 6;
-  int cell = gl_VertexID / 6;
-  vec2 edge = OUTLINE[cell / 24 + (corner == 1 || corner == 2 || corner == 4 ? 1 : 0)];
-  float around = 6.283185307179586 * float(cell % 24 + (corner == 2 || corner > 3 ? 1 : 0)) / 24.0;
-  vec4 at = modelViewMatrix * vec4(edge.x * sin(around), edge.y, edge.x * cos(around), 1.0);
-  seen = at.xyz;
-  gl_Position = projectionMatrix * at;
-}
-`;
-export const BIT_FRAGMENT = /* glsl */ `
-precision highp float;
-in vec3 seen;
-out vec4 colour;
-void main() {
-  float facing = abs(normalize(cross(dFdx(seen), dFdy(seen))).z);
-  colour = vec4(vec3(0.42, 0.46, 0.50) * (0.45 + 0.75 * facing), 1.0);
 }
 `;
 

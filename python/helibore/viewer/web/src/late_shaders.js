@@ -1,0 +1,113 @@
+// Shaders of the hole on its path and from inside, which the page loads late.
+
+// The wall seen from inside, lit by a lamp beside the eye. Where a quad is not much smaller than a pixel, radii and values are joined
+// smoothly (quadratic B-splines over three by three vertices), so that neither facets nor bricks are seen.
+
+export const INSIDE_FRAGMENT = /* glsl */ `
+uniform float lamp;           // metres that the lamp reaches
+uniform bool fine;            // false while the picture moves
+uniform vec2 steep;
+out vec4 colour;
+// Weights of three vertices for a place, in vertices from the middle one; and how they change along the way.
+vec3 spline(float f) { return vec3(0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)); }
+vec3 change(float f) { return vec3(f - 0.5, -2.0 * f, f + 0.5); }
+// Returns where the texel of a vertex is. The rows beyond those of the tile are not here: they mirror those before, so that tiles join
+// without a seam.
+ivec2 at(int col, int row) {
+  if (col < 0) { col += K; row--; }
+  if (col >= K) { col -= K; row++; }
+  return ivec2(col, min(abs(row), 2 * rows - abs(row)));
+}
+float above(ivec2 place, float c) { // a radius over c; 0 where it is missing
+  uvec4 t = texelFetch(texels, place, 0);
+  uint r = firstPass ? t.y : t.x;
+  return r == 0u ? 0.0 : float(r) * radiusUnit - c;
+}
+// Returns how the radius changes around a place of the grid, for a column and for a row, and its mean there over c.
+vec3 smoothRadii(vec2 where, float c) {
+  ivec2 cell = ivec2(floor(where + 0.5));
+  vec2 f = where - vec2(cell);
+  vec3 across = spline(f.x), along = spline(f.y), acrossChange = change(f.x), alongChange = change(f.y), sum = vec3(0.0);
+  for (int j = -1; j < 2; j++) {
+    vec3 r = vec3(above(at(cell.x - 1, cell.y + j), c), above(at(cell.x, cell.y + j), c), above(at(cell.x + 1, cell.y + j), c));
+    float w = j < 0 ? along.x : j == 0 ? along.y : along.z;
+    sum += vec3(w, j < 0 ? alongChange.x : j == 0 ? alongChange.y : alongChange.z, w) * vec3(dot(acrossChange, r), vec2(dot(across, r)));
+  }
+  return sum;
+}
+vec2 added(ivec2 place, float w) { // a value of an image by its weight, and the weight if the value is known
+  float v = texelFetch(column, place, 0).r;
+  return known(v) ? w * vec2(logarithmic ? log(v) : v, 1.0) : vec2(0.0);
+}
+// Returns the mean of the values of an image around a place of the grid.
+float smoothImage(vec2 where) {
+  ivec2 cell = ivec2(floor(where + 0.5));
+  vec3 across = spline(where.x - float(cell.x)), along = spline(where.y - float(cell.y));
+  vec2 sum = vec2(0.0);
+  for (int j = -1; j < 2; j++) {
+    float w = j < 0 ? along.x : j == 0 ? along.y : along.z;
+    for (int i = -1; i < 2; i++) sum += added(at(cell.x + i, cell.y + j), w * (i < 0 ? across.x : i == 0 ? across.y : across.z));
+  }
+  return logarithmic ? exp(sum.x / sum.y) : sum.x / sum.y;
+}
+void main() {
+  if (depthHere < top || depthHere > bottom) discard;
+  int k = quad(depthHere);
+  bool gap = missing(k);
+  if (gap && k + (rings ? 0 : K + 1) >= size) discard;
+  vec2 under = fwidth(grid); // columns and rows under a pixel
+  float small = max(1.0, max(under.x, under.y)); // quads under a pixel
+  bool near = fine && !rings && small < 2.0;
+  float v = value(k);
+  float c = float(firstPass ? texel(k).y : texel(k).x) * radiusUnit;
+  vec3 radii = near ? smoothRadii(grid, c) : vec3(0.0);
+  if (near && mode < 2 && known(v)) v = c + radii.z - (mode == 1 ? bitRadius : 0.0);
+  else if (near && mode == 5 && known(v)) v = smoothImage(grid - 0.5);
+  else if (known(v)) { // rows under one pixel, far along the hole: show their mean
+    float sum = v, count = 1.0;
+    for (int i = 1; i < min(int(under.y), 8); i++) {
+      int other = k + K * (i % 2 == 0 ? i / 2 : -i / 2 - 1);
+      float w = other < 0 || other >= K * rows ? notANumber() : value(other);
+      if (known(w)) { sum += w; count += 1.0; }
+    }
+    v = sum / count;
+  }
+  vec3 flat1 = normalize(outwards), from = normalize(seen), bent = normalize(normal);
+  if (near) {
+    vec2 slant = clamp(steep * shape / small * radii.xy * vec2(float(K) / 6.2832 / exaggerated(c), 1.0 / pitch), -1.5, 1.5);
+    bent = normalize(flat1 - slant.x * cross(axis, flat1) - slant.y * axis);
+  }
+  float relief = abs(dot(bent, from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
+  float far = 2.0 * length(seen) / lamp;
+  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.1, 1.2) * (1.08 / (1.0 + 1.4 * far * far));
+  colour = vec4(glowing(dotted(base, k), k), 1.0);
+}
+`;
+
+// The bit: steel, lit as the wall is; an outline of radius 1 turned around the hole, its nose at the bit's depth.
+export const BIT_CORNERS = 6 * 6 * 24;
+const BIT_VERTEX = /* glsl */ `
+uniform mat4 modelViewMatrix, projectionMatrix;
+out vec3 seen;
+const vec2 OUTLINE[7] = vec2[](vec2(0, 0), vec2(0.6, -0.2), vec2(1, -0.7), vec2(1, -1.3), vec2(0.5, -1.6), vec2(0.5, -2.4), vec2(0, -2.4));
+void main() {
+  int corner = gl_VertexID % 6;
+  int cell = gl_VertexID / 6;
+  vec2 edge = OUTLINE[cell / 24 + (corner == 1 || corner == 2 || corner == 4 ? 1 : 0)];
+  float around = 6.283185307179586 * float(cell % 24 + (corner == 2 || corner > 3 ? 1 : 0)) / 24.0;
+  vec4 at = modelViewMatrix * vec4(edge.x * sin(around), edge.y, edge.x * cos(around), 1.0);
+  seen = at.xyz;
+  gl_Position = projectionMatrix * at;
+}
+`;
+const BIT_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 seen;
+out vec4 colour;
+void main() {
+  float facing = abs(normalize(cross(dFdx(seen), dFdy(seen))).z);
+  colour = vec4(vec3(0.42, 0.46, 0.50) * (0.45 + 0.75 * facing), 1.0);
+}
+`;
+/** @type {[string, string]} */
+export const BIT = [BIT_VERTEX, BIT_FRAGMENT];
