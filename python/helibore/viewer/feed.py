@@ -562,7 +562,7 @@ def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -
     inside = np.clip(depth, path.start_depth, path.stop_depth)
     frame = path.frame(inside)
     beyond = (depth - inside)[:, None] * frame[:, 2]
-    return PathFrames(path.position(inside) + beyond, frame[:, 0], frame[:, 1])
+    return PathFrames(path.position(inside) + beyond, frame[:, 0], frame[:, 1], north=path.survey.north)
 
 
 def _attribute(key: str | Attribute) -> Attribute:

@@ -116,6 +116,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "basis_text": shape.basis_text,
         "reference": shape.reference,
         "assumed": shape.assumed,
+        "north": scene.frames.north,
         "bit_diameter": shape.bit_diameter,
         "start_depth": shape.start_depth,
         "start_toolface": shape.start_toolface,

@@ -70,7 +70,8 @@ class Attribute:
         One of `helibore.plot.COLOR_MAPS`; "": the default map for name and unit.
     rows
         For an image that was measured in even rows: the upper edge of one row and the height of every row, metres. The
-        page then draws the image in these rows. None: it draws the quads.
+        page then draws the image in these rows; if they are thinner than a turn of the wall, it draws the quads and
+        says so. None: it draws the quads.
 
     Raises
     ------
@@ -155,6 +156,7 @@ class PathFrames:
     high: Floats
     right: Floats
     surveyed: bool = True
+    north: str = ""  # that the survey counts from: true, magnetic or grid; "": not stated
 
 
 @dataclass(frozen=True)
@@ -367,7 +369,7 @@ class Scene:
                 raise InputError("first", rule, str(first))
             pairs = ((old.centre, frames.centre), (old.high, frames.high), (old.right, frames.right))
             joined = [np.concatenate([before[:first], new, before[first + len(new) :]]) for before, new in pairs]
-            self.frames = PathFrames(joined[0], joined[1], joined[2], surveyed=frames.surveyed)
+            self.frames = PathFrames(joined[0], joined[1], joined[2], frames.surveyed, frames.north)
             self._notify(FRAMES_LEVEL, first, first + len(frames.centre))
         self.on_change()
 

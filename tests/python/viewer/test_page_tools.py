@@ -293,16 +293,87 @@ def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall
         assert across, "before it"
         (pick,) = viewer.scene.picks
         texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-        assert "{:.0f}° to {:.0f}°".format(*pick.dip(curved_path())) in texts
+        assert "dip {:.0f}° to {:.0f}° from the survey’s north".format(*pick.dip(curved_path())) in texts
         assert "fracture at 1018.00 m" in texts
         veil = screen.evaluate(
             "(([x, y]) => document.getElementById('ink').getContext('2d').getImageData(x, y, 1, 1).data[3])"
             f"([{across[0]} + 40, {across[1]} + 10])"
         )
         assert veil == bare == 0
+        eye = "(({ path, renderer: { gpu }, view }) => gpu.camera.position.map((x, i) => x + gpu.origin[i]))"
+        before = screen.evaluate(f"{eye}(window.__wall.app)")
+        screen.keyboard.press("Escape")
+        screen.settle()
+        assert not screen.evaluate("window.__wall.app.view.pinned")
+        assert screen.evaluate(f"{eye}(window.__wall.app)") == pytest.approx(before, abs=1e-6), "Esc moves no eye"
+        screen.evaluate("window.__wall.app.view.point({ depth: 1018, toolface: 20 }, true)")
+        screen.settle()
         screen.keyboard.press("ArrowUp")
         assert screen.evaluate("[window.__wall.app.view.pinned, window.__wall.app.view.top > 1013]") == [False, True]
         screen.close()
+
+
+def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_second_line(browser: Any) -> None:
+    """A top within 0.2 m of a pick is the pick, with the top's name; labels of nearer planes come first inside."""
+    path = hb.Survey([970.0, 1100.0], [30.0, 30.0], [70.0, 70.0], north="grid").path(extend=100.0)
+    wall = MadeWall(20_000)
+    wall.intervals = (hb.Interval("Draupne", 1003.0, 1006.1), hb.Interval("Hugin", 1006.1, 1012.0))
+    wall.picks = Picks()
+    with hb.view(wall, path=path) as viewer:
+        viewer.scene.intervals = wall.intervals
+        for depth, dip in ((1006.0, 20.0), (1004.0, 40.0), *((1008 + 0.05 * i, 10.0) for i in range(20))):
+            pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=dip)
+            viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+        first, second = ("{:.0f} / {:03.0f}".format(*pick.dip(path)) for pick in list(viewer.scene.picks)[:2])
+        for address in ("#md=1007&sec=10&camera=outside", "#md=1007&sec=8&camera=down"):
+            screen = Screen(browser, viewer.url, address, (1366, 768))
+            screen.until(f"document.getElementById('ink').labels.some(({{ text }}) => text === '{second}')")
+            screen.settle()
+            texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+            assert f"Hugin   {first}" in texts, address
+            assert any(text.endswith("dip / azimuth from grid north") for text in texts)
+            wall_left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
+            labels = [one for one in screen.evaluate("ink.labels") if one["left"] > wall_left]
+            assert not [one for one in labels if one["text"] == "Hugin"], "not named twice in 3-D"
+            assert screen.touching("ink") == []
+            screen.close()
+
+
+def test_the_line_of_the_cursor_hides_no_tadpole(browser: Any) -> None:
+    with hb.view(MadeWall(20_000), path=curved_path()) as viewer:
+        pick = Pick(kind="bed", depth=1008.0, toolface=40.0, apparent_dip=30.0)
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1008&sec=10", drawn=False)
+        screen.until("window.__wall.app.picking.kept.length")
+        screen.settle()
+        dip, _ = pick.dip(curved_path())
+        left, width, middle = screen.evaluate(
+            "(({ left, width, top, height }) => [left, width, top + height / 2])(window.__wall.app.renderer.rects.dips)"
+        )
+        x, y = left + 12 + dip / 90 * (width - 24), middle
+        ratio = screen.evaluate("ink.width / ink.clientWidth")
+        pixel = (
+            f"[...document.getElementById('ink').getContext('2d').getImageData({x * ratio}, {y * ratio}, 1, 1).data]"
+        )
+        head = screen.evaluate(pixel)
+        screen.evaluate("window.__wall.app.view.point({ depth: 1008, toolface: 20 }, true)")
+        screen.settle()
+        assert screen.evaluate(pixel) == head
+        screen.close()
+
+
+def test_the_page_says_where_an_image_has_thinner_rows_than_the_wall(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    values = np.tile(np.arange(len(wall)) % 50.0, (2, 1))
+    named = {hb.Attribute("ATV", rows=(1000.0, 0.01)): values[0], hb.Attribute("GR", rows=(1000.0, 0.2)): values[1]}
+    with hb.view(wall, attributes=named) as viewer:
+        for name, said in (("ATV", "each 0.01 m, turns each 0.1 m: wall.pitch=0.01m shows all"), ("GR", None)):
+            screen = Screen(browser, viewer.url, f"#md=1008&sec=10&quantity={name}&beside=", drawn=False)
+            screen.settle()
+            assert screen.readout().get(f"Rows of {name}") == said
+            texts = [one["text"] for one in screen.evaluate("ink.labels")]
+            assert ("rows of 0.01 m, drawn each 0.1 m" in texts) == bool(said)
+            screen.close()
 
 
 def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any) -> None:

@@ -1,4 +1,4 @@
-// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D (plane_rings.js), and a tadpole: the head is the
+// Picks on the picture. A plane is a curve on the image, a disc around the hole in 3-D (plane_rings.js), and a tadpole: the head is the
 // symbol of its class and stands at the true dip; the tail points to where the plane dips, north up. Without a survey the dip
 // is apparent (relative to the hole), and the direction of the tail counts from the tool's zero. A breakout is two boxes on the
 // image.
@@ -6,7 +6,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
 import { planeDepth, riseOf } from './dips.js';
-import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
@@ -41,7 +41,7 @@ export function drawDips(ink, look, planes, straight) {
     if (straight) columnCurve(ink, look, plane, stroke);
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
-  if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
+  if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);
 }
 
 // The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for. Before the
@@ -76,36 +76,6 @@ export function drawLegend(ink, { view, growing, rects: { axis, image, pane } },
     } else symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
     label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
     x = right + 16;
-  }
-}
-
-// Draw the class of the next pick beside the cursor.
-/** @param {Ink} ink @param {Look} look @param {PlaneKind | 'breakout'} kind */
-export function drawNext(ink, { view, path, rects }, kind) {
-  const { cursor } = view;
-  if (!cursor || cursor.toolface === null || cursor.depth < view.top || cursor.depth > view.bottom) return;
-  const palette = PALETTES[view.theme];
-  const turn = ((((cursor.toolface - leftEdge(path, view.cut, cursor.depth).toolface) % 360) + 360) % 360) / 360;
-  for (const { left, width } of imageRects(rects)) {
-    const right = turn > 0.5;
-    label(ink, kind, left + turn * width + (right ? -8 : 8), yOf(view, rects.image, cursor.depth) - 12, { colour: palette.picks[kind], halo: palette.paper, align: right ? 'right' : 'left', font: BOLD });
-  }
-}
-
-/** @param {Ink} ink @param {Look} look @param {WallPoint[]} points */
-export function drawPoints(ink, look, points) {
-  const { view, rects } = look;
-  const palette = PALETTES[view.theme];
-  for (const { depth, toolface } of points) {
-    if (depth < view.top || depth > view.bottom) continue;
-    const turn = ((((toolface - leftEdge(look.path, view.cut, depth).toolface) % 360) + 360) % 360) / 360;
-    ink.beginPath();
-    ink.arc(rects.image.left + turn * rects.image.width, yOf(view, rects.image, depth), 4, 0, 2 * Math.PI);
-    ink.fillStyle = palette.paper;
-    ink.fill();
-    ink.strokeStyle = palette.cursor;
-    ink.lineWidth = 2;
-    ink.stroke();
   }
 }
 
@@ -161,24 +131,30 @@ function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
   });
 }
 
-/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {Planes} planes @param {Palette} palette */
-function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palette) {
+const { dips } = definition;
+/** @param {Rect} rect @param {number} degrees */
+const dipAt = ({ left, width }, degrees) => left + TAIL + (degrees / dips.lines[dips.lines.length - 1]) * (width - 2 * TAIL);
+
+/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {Palette} palette */
+function dipTrack(ink, { path }, rect, palette) {
   const { left, top, width, height } = rect;
-  const { dips } = definition;
-  /** @param {number} degrees */
-  const x = (degrees) => left + TAIL + (degrees / dips.lines[dips.lines.length - 1]) * (width - 2 * TAIL);
   ink.fillStyle = palette.panel;
   ink.fillRect(left, top, width, height);
-  for (const degrees of dips.lines) line(ink, x(degrees), top, x(degrees), top + height, palette.grid);
+  for (const degrees of dips.lines) line(ink, dipAt(rect, degrees), top, dipAt(rect, degrees), top + height, palette.grid);
   edges(ink, sharp(rect), palette.line);
   const title = (path.surveyed ? dips.true : dips.apparent).split(/ (?=dip)/); // in two lines: the track is narrow
   title.forEach((words, i) => label(ink, words, left + 2, 11 + 16 * i, { colour: palette.ink, font: BOLD }));
-  for (const degrees of dips.lines) if (width > 75 || degrees % 90 === 0) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });
+  for (const degrees of dips.lines) if (width > 75 || degrees % 90 === 0) label(ink, String(degrees), dipAt(rect, degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });
+}
+
+/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {Planes} planes */
+export function tadpoles(ink, { view, path }, rect, { kept, current, selected }) {
+  const palette = PALETTES[view.theme];
   within(ink, rect, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];
       const colour = plane === current || plane.pick === selected ? palette.cursor : palette.picks[plane.kind];
-      tadpole(ink, x(angle), yOf(view, rect, plane.depth), towards, plane.kind, colour, palette);
+      tadpole(ink, dipAt(rect, angle), yOf(view, rect, plane.depth), towards, plane.kind, colour, palette);
     }
   });
 }

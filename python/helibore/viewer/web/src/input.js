@@ -5,7 +5,7 @@ import { Orbit } from './camera.js';
 import { fitRange } from './color.js';
 import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
-import { fly, isInside, STEP, toggleFlight, turnHead } from './inside.js';
+import { fly, isInside, STEP, toggleFlight, turnHead, unhold } from './inside.js';
 import { byId } from './dom.js';
 import { onString } from './string.js';
 import { tabs } from './panel.js';
@@ -148,7 +148,8 @@ function clickAt(app, x, y, reach) {
   const cursor = cursorAt(app, x, y);
   const aim = app.picking.on ? aimAt(app, x, y) : null;
   if (aim) app.picking.click(aim, reach);
-  else if (cursor) app.view.point(cursor, !app.view.pinned);
+  else if (cursor && app.view.pinned) unhold(app, cursor);
+  else if (cursor) app.view.point(cursor, true);
 }
 
 // The curtain goes where the pointer is on the first image.
@@ -344,6 +345,6 @@ const KEYS = {
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),
-  Escape: ({ view, picking }) => (picking.on ? picking.leave() : view.point(null, false)),
+  Escape: (app) => (app.picking.on ? app.picking.leave() : unhold(app, null)),
   '?': openHelp,
 };

@@ -48,6 +48,13 @@ export function turnHead(head, dx, dy) {
 const SPEED = 0.2; // of the section in a second
 export const STEP = 0.025; // of the section, by a key or a notch of the wheel
 
+// Hold the cursor no longer, and keep the eye where it is.
+/** @param {App} app @param {Cursor | null} cursor */
+export function unhold(app, cursor) {
+  if (app.view.pinned && isInside(app.view)) fly(app, 0);
+  app.view.point(cursor, false);
+}
+
 // Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is no longer held.
 /** @param {App} app @param {number} steps */
 export function fly({ view, store, renderer }, steps) {

@@ -1,39 +1,77 @@
-// The ink inside the hole: rings at round depths, and the letters of its sides.
+// The ink inside the hole: lines of planes and tops, rings at round depths, the letters of the hole's sides. What is nearer to the eye
+// is labelled first; what has no room for its label, or is too small on the picture, has none.
 
+import { linesOf } from './dip_ink.js';
 import { wallPoint } from './dips.js';
 import { eyeDepth } from './inside.js';
 import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { LENGTHS, showDepth } from './units.js';
+import { anglesOf, drawLine, topsOf } from './plane_rings.js';
+import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
 
-// Draw rings at round depths, each with its depth above it, and on one of them the letters of the sides.
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu */
-export function drawInsideInk(ink, look, gpu) {
-  const { view, path, store, rects } = look;
+const FAINTEST = 14; // pixels: a smaller ring is not drawn
+const SMALLEST = 0.05; // of the pane: a smaller ring has no label
+
+/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes */
+export function drawInsideInk(ink, look, gpu, planes) {
+  const { view, path, store, rects: { wall: rect }, held } = look;
   const palette = PALETTES[view.theme];
   const radius = store.bitRadius * view.tubeFactor(store);
   const eye = eyeDepth(look);
   const near = Math.max(0.9 * radius, 0.02 * view.length);
-  const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76, LENGTHS[view.units].depth.scale);
-  const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   /** @param {number} depth @param {number} toolface @param {number} [out] */
-  const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
-  for (const [name, top] of look.intervals) { // a top is a ring with its name at one side, away from the depths
-    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near) continue;
+  const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rect);
+  /** @param {number} depth */
+  const sizeOf = (depth) => (rect.height * radius) / (2 * gpu.camera.tangent * Math.abs(depth - eye)); // pixels of a ring's radius
+  /** @type {{ depth: number, away: number, write: () => void }[]} */
+  const texts = [];
+  const smallest = SMALLEST * Math.min(rect.width, rect.height);
+  /** @param {number} depth @param {() => void} write */
+  const later = (depth, write) => sizeOf(depth) > smallest && texts.push({ depth, away: Math.abs(depth - eye), write });
+  const tops = topsOf(look, planes);
+  for (const line of linesOf(ink, look, planes).sort((one, other) => Math.abs(other.plane.depth - eye) - Math.abs(one.plane.depth - eye))) {
+    const { plane, colour } = line;
+    if (sizeOf(plane.depth) < FAINTEST) continue;
+    const isHeld = Boolean(held && plane.pick === held.pick);
+    ink.globalAlpha = isHeld ? 1 : Math.min(1, sizeOf(plane.depth) / 120);
+    const points = drawLine(ink, look, line, gpu);
+    ink.globalAlpha = 1;
+    const seen = points.filter((point) => point !== null);
+    if (!seen.length) continue;
+    const name = tops.get(plane);
+    const lettering = { colour: name ? palette.top : colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD };
+    const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
+    if (isHeld) {
+      const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
+      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} to ${showAngle(plane.azimuth, 0)} from ${path.north || 'the survey’s'} north` : `${showAngle(plane.apparent, 0)} apparent dip`;
+      const words = [name, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
+      const low = Math.min(Math.max(...y) + 16, rect.height - 48 - 16 * words.length);
+      words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour }));
+    } else {
+      const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
+      later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [[0, 14], [0, -14], [44, 0], [-44, 0]], yields: true, margin: 4 }));
+    }
+  }
+  const named = [...tops.values()];
+  for (const [name, top] of look.intervals) { // a top that is no plane is a ring with its name at one side, away from the depths
+    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near || named.includes(name) || sizeOf(top) < FAINTEST) continue;
     ring(ink, (toolface) => at(top, toolface), palette.top, 2);
     const beside = at(top, (path.dial(top).up ?? 0) + 90, 0.96);
-    if (beside) label(ink, name, Math.min(beside[0], rects.wall.left + rects.wall.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 2 });
+    if (beside) later(top, () => label(ink, name, Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 4 }));
   }
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
+  const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   let lettered = false; // on the nearest ring that is seen whole
   for (const depth of ahead) {
     const top = at(depth, path.dial(depth).up ?? 0, 0.94);
-    if (top && top[1] > HEAD + 8) { // else its depth would be hidden
+    if (top && top[1] > HEAD + 8 && sizeOf(depth) > smallest) { // else its depth would be hidden
       ring(ink, (toolface) => at(depth, toolface), palette.paper);
-      label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 });
+      later(depth, () => label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 }));
     }
     lettered ||= letters(ink, look, depth, at, palette);
   }
+  for (const { write } of texts.sort((one, other) => one.away - other.away)) write();
 }
 
 /** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {string} colour @param {number} [wide] */

@@ -172,7 +172,7 @@ export class App {
     showBasis(handshake);
     this.picking.begin(handshake);
     this.alarms.begin(handshake.session);
-    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference, handshake.assumed);
+    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference, handshake.assumed, handshake.north);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.selection.quantities;
     this.selection.quantities = quantities(this.store).map((q) => {

@@ -11,10 +11,11 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction less than a degree from that of the hole is no reference
 
 export class Path {
-  /** @param {number} startDepth @param {number} step @param {string | null} [reference] @param {boolean} [assumed] */
-  constructor(startDepth, step, reference = null, assumed = false) {
+  /** @param {number} startDepth @param {number} step @param {string | null} [reference] @param {boolean} [assumed] @param {string} [north] */
+  constructor(startDepth, step, reference = null, assumed = false, north = '') {
     this.surveyed = false; // if false, the hole is drawn straight and vertical, and true depth is not known
     this.reference = reference; // the direction of toolface 0, for a hole that is not surveyed
+    this.north = north; // that azimuths count from: true, magnetic or grid; '': not stated
     this.assumed = assumed; // nothing states what toolfaces count from
     /** @type {Vector | null} */
     this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero

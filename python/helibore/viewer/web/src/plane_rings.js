@@ -1,46 +1,124 @@
-// Planes that were picked, in 3-D and from inside the hole.
+// Planes that were picked, in 3-D. From outside each is a disc in its true attitude, however wide the hole is drawn; what the hole
+// hides of it is left out. From inside it is its line on the wall, so that nothing is veiled.
 
 import { linesOf } from './dip_ink.js';
 import { planeDepth, wallPoint } from './dips.js';
-import { BOLD, HEAD, label, PALETTES, within } from './layout.js';
-import { showAngle, showDepth } from './units.js';
+import { BOLD, label, PALETTES } from './layout.js';
+import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vectors.js';
 
-const LEAST = 70; // pixels across a ring that is named
+const SIZE = { hole: 1.5, most: 3.2 }; // of a disc: wider than the hole where it cuts it, in radii of the drawn hole
+const SAME = 0.2; // metres: a plane so near to a top is the top
+const STEP = 5; // degrees between two points of an edge
 
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu */
-export function drawRings(ink, look, planes, gpu) {
-  for (const { plane, colour, stroke } of linesOf(ink, look, planes)) ring(ink, look, plane, colour, stroke, gpu);
+// Return how far from the axis of a hole of radius 1 the disc of a plane ends, in the direction of a toolface: the disc is round.
+/** @param {Plane} plane @param {number} toolface */
+function reach({ a, b }, toolface) {
+  const [c, s] = [Math.cos((toolface * Math.PI) / 180), Math.sin((toolface * Math.PI) / 180)];
+  return Math.min(SIZE.most, SIZE.hole * Math.hypot(1, a, b)) / Math.hypot(1, a * c + b * s);
 }
 
-// Draw a plane in 3-D: from outside a disc wider than the hole, from inside its line on the wall with its dip, so that nothing is veiled.
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {() => void} stroke @param {Gpu} gpu */
-function ring(ink, { view, path, rects, store, held }, plane, colour, stroke, gpu) {
-  const outside = view.camera === 'outside';
-  const palette = PALETTES[view.theme];
-  const points = Array.from({ length: 73 }, (_, i) => {
-    const at = { depth: planeDepth(path, plane, 5 * i), toolface: 5 * i, radius: plane.radius * (outside ? 1.25 : 1) * view.tubeFactor(store) };
-    return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
+// Return north, east and down of the edge of a disc around a hole of so many metres radius, between two toolfaces, or of the line
+// where the plane cuts the hole.
+/** @param {Plane} plane @param {number} radius @param {boolean} cut @param {[number, number]} [ends] */
+export function edgeOf(plane, radius, cut, [from, to] = [0, 360]) {
+  const { a, b, c, frame: { centre, high, right, tangent } } = plane;
+  return Array.from({ length: Math.round((to - from) / STEP) + 1 }, (_, i) => {
+    const toolface = from + STEP * i;
+    const far = radius * (cut ? 1 : Math.max(1, reach(plane, toolface)));
+    const [x, y] = [far * Math.cos((toolface * Math.PI) / 180), far * Math.sin((toolface * Math.PI) / 180)];
+    return centre.map((at, j) => at + x * high[j] + y * right[j] + (c + a * x + b * y) * tangent[j]);
   });
-  if (outside && points.includes(null)) return; // it leaves the section
-  within(ink, { ...rects.wall, top: HEAD, height: rects.wall.height - HEAD }, () => {
-    ink.beginPath();
-    points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
-    if (outside) {
-      ink.globalAlpha = 0.25;
+}
+
+// Return the planes that are tops of intervals, with the names of these.
+/** @param {Look} look @param {Planes} planes @returns {Map<Plane, string>} */
+export function topsOf({ intervals }, { kept }) {
+  /** @type {Map<Plane, string>} */
+  const tops = new Map();
+  for (const [name, start] of intervals) {
+    const [nearest] = kept.filter(({ depth }) => Math.abs(depth - start) <= SAME).sort((one, other) => Math.abs(one.depth - start) - Math.abs(other.depth - start));
+    if (nearest) tops.set(nearest, name);
+  }
+  return tops;
+}
+
+// Return the angles of a plane: 34 / 120.
+/** @param {Plane} plane @param {Path} path */
+export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
+  const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];
+  return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
+}
+
+// Return what the two angles are.
+/** @param {Path} path */
+export const anglesInWords = ({ surveyed, north }) => (surveyed ? `dip / azimuth from ${north || 'the survey’s'} north` : 'apparent dip / toolface of the deepest point');
+
+// Draw the discs; return a function that writes the angles beside them.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu @param {Map<Plane, string>} tops */
+export function drawDiscs(ink, look, planes, gpu, tops) {
+  const { view, path, store, rects: { wall: rect } } = look;
+  const palette = PALETTES[view.theme];
+  const radius = store.bitRadius * view.tubeFactor(store);
+  const discs = linesOf(ink, look, planes).filter(({ plane: { depth } }) => depth >= view.top && depth <= view.bottom).map((disc) => {
+    const { centre, high, right, tangent } = disc.plane.frame;
+    const middle = gpu.position({ centre });
+    const towards = minus(gpu.camera.position, middle);
+    return { ...disc, middle, towards, along: eastNorthUp(tangent), front: (Math.atan2(dot(eastNorthUp(right), towards), dot(eastNorthUp(high), towards)) * 180) / Math.PI };
+  }).sort((one, other) => dot(other.towards, other.towards) - dot(one.towards, one.towards)); // the nearest last
+  const beside = discs.map(({ plane, colour, stroke, middle, towards, along, front }) => {
+    /** @param {boolean} cut @param {number} from */
+    const points = (cut, from) => edgeOf(plane, radius, cut, [from - 90, from + 90]).map((centre) => gpu.project({ centre }, rect)).filter((at) => at !== null);
+    const side = scaled(normalised(cross(along, towards)), radius);
+    const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.camera.project(plus(plus(middle, side, x), along, y * SIZE.most * radius)));
+    for (const [from, behind] of /** @type {[number, boolean][]} */ ([[front + 180, true], [front, false]])) {
+      const edge = points(false, from);
+      ink.save();
+      if (behind) { // the hole hides it
+        ink.beginPath();
+        ink.rect(rect.left, rect.top, rect.width, rect.height);
+        hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](rect.left + ((at[0] + 1) / 2) * rect.width, rect.top + ((1 - at[1]) / 2) * rect.height));
+        ink.clip('evenodd');
+      }
+      ink.beginPath();
+      for (const at of [...edge, ...points(true, from).reverse()]) ink.lineTo(...at);
+      ink.globalAlpha = 0.4;
       ink.fillStyle = colour;
       ink.fill();
       ink.globalAlpha = 1;
+      ink.beginPath();
+      for (const at of edge) ink.lineTo(...at);
+      stroke();
+      ink.restore();
     }
-    stroke();
-    if (outside) return;
-    const angles = path.surveyed && Number.isFinite(plane.azimuth) ? `${plane.dip.toFixed(0)}° to ${showAngle(plane.azimuth, 0)}` : `${plane.apparent.toFixed(0)}° apparent`;
-    const lettering = { colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD, yields: true };
-    const seen = points.filter((point) => point !== null);
-    const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
-    const small = Math.max(...y) - Math.min(...y) < LEAST; // far away, where angles would cover each other
-    const deepest = points[Math.round(plane.deepest / 5)]; // there, not at the top, where the depths of the rings stand
-    if (!held || plane.pick !== held.pick) return deepest && !small && label(ink, angles, ...deepest, { ...lettering, near: [[0, 18], [0, -18], [40, 0], [-40, 0]] });
-    const left = (Math.min(...x) + Math.max(...x)) / 2;
-    return [`${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].forEach((text, i) => label(ink, text, left, Math.min(Math.max(...y) + 16, rects.wall.height - 60) + 16 * i, { ...lettering, yields: false }));
+    const [x, y] = gpu.project(plane.frame, rect) ?? [0, 0];
+    const [left, low] = gpu.project(plane.frame, rect, gpu.aside(plane.frame, -radius)) ?? [x - 1, y];
+    const away = Math.hypot(left - x, low - y);
+    const [dx, dy] = [(left - x) / away, (low - y) / away]; // to the side of the hole where no depths stand
+    /** @param {Pair} at */
+    const far = (at) => at[0] * dx + at[1] * dy;
+    const [at] = [...points(false, front), ...points(false, front + 180)].sort((one, other) => far(other) - far(one));
+    return { plane, colour, at, dx, dy };
   });
+  return () => {
+    for (const { plane, colour, at, dx, dy } of beside.reverse().sort((one, other) => Number(tops.has(other.plane)) - Number(tops.has(one.plane)))) {
+      const name = tops.get(plane);
+      const text = [name, anglesOf(plane, path)].filter(Boolean).join('   ');
+      ink.font = BOLD;
+      const x = Math.max((at?.[0] ?? 0) + 6 * dx, rect.left + 6 + (dx < -0.3 ? ink.measureText(text).width : 0));
+      if (at) label(ink, text, x, at[1] + 12 * dy, { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: [[0, 0], [0, -12], [0, 12]], yields: !name, margin: 1 });
+    }
+  };
+}
+
+// Draw the line of a plane on the wall; return its points on the picture, one every STEP degrees of toolface.
+/** @param {Ink} ink @param {Look} look @param {ReturnType<typeof linesOf>[0]} line @param {Gpu} gpu */
+export function drawLine(ink, { view, path, rects, store }, { plane, stroke }, gpu) {
+  const points = Array.from({ length: 360 / STEP + 1 }, (_, i) => {
+    const at = { depth: planeDepth(path, plane, STEP * i), toolface: STEP * i, radius: plane.radius * view.tubeFactor(store) };
+    return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
+  });
+  ink.beginPath();
+  points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
+  stroke();
+  return points;
 }

@@ -6,7 +6,7 @@ import { drawCaliper } from './caliper.js';
 import { fitRange, nearBit, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
-import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
+import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
 import { heldPlane } from './dips.js';
 import { byId, oncePerFrame, say, write } from './dom.js';
 import { messageOf } from './errors.js';
@@ -27,7 +27,7 @@ import { edges, sharp } from './strokes.js';
 import { coverage } from './tiles.js';
 import { drawTops, intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside } from './tracks.js';
-import { showDepth, showLength } from './units.js';
+import { inMetres, showDepth, showLength } from './units.js';
 
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
@@ -226,18 +226,16 @@ export class Renderer {
     drawDips(ink, look, planes, straight);
     drawTops(ink, look);
     if (rects.image.width) drawNotes(ink, look);
-    if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);
+    if (picking.on) for (const one of look.images) late(app)?.drawPoints(ink, one, picking.points);
     picking.write(planes);
     byId('netSection').hidden = !picking.kept.length;
     if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
     drawCursor(ink, look);
-    if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
+    if (rects.dips) tadpoles(ink, look, rects.dips, planes); // above the line of the cursor
+    if (picking.on && !picking.selected) late(app)?.drawNext(ink, look, picking.kind);
     drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
-    else if (gpu && rects.wall.width) {
-      late(app)?.drawRings(ink, look, planes, gpu);
-      late(app)?.drawWallInk(ink, look, gpu, calipers);
-    }
+    else if (gpu && rects.wall.width) late(app)?.drawWallInk(ink, look, gpu, calipers, planes);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
     drawLegend(ink, look, planes, picking.on || ink.canvas.slide ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
@@ -257,6 +255,8 @@ export class Renderer {
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     this.quad = covered ? store.quad(k) : null;
     selection.read = readout({ store, view, path, quad: this.quad });
+    const { name, thin } = look.quantity;
+    if (thin) selection.read.push([`Rows of ${name}`, `each ${inMetres(thin)}, turns each ${inMetres(Math.abs(wall.pitch))}: wall.pitch=${inMetres(thin).replace(' ', '')} shows all`]);
     const interval = intervalAt(store.intervals, cursor?.depth ?? view.middle);
     if (interval) selection.read.push(['Interval', interval]);
     if (store.columns.length) selection.read.push(...(late(app)?.columnRows(look, cursor?.depth ?? view.middle) ?? []));

@@ -7,6 +7,7 @@ import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
+import { anglesInWords, drawDiscs, topsOf } from './plane_rings.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus, scaled } from './vectors.js';
@@ -17,8 +18,8 @@ import { isSure } from './zones.js';
 /** @type {[string, number[]][]} */
 const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers */
-export function drawWallInk(ink, look, gpu, calipers) {
+/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes */
+export function drawWallInk(ink, look, gpu, calipers, planes) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
@@ -27,8 +28,8 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.beginPath();
   ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
   ink.clip();
-  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
-  else drawInsideInk(ink, look, gpu);
+  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
+  else drawInsideInk(ink, look, gpu, planes);
   if (path.surveyed) {
     if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
     compass(ink, gpu, rect, palette);
@@ -36,6 +37,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   }
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
+  if (planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom)) words.push(anglesInWords(path));
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
@@ -58,12 +60,14 @@ function inLines(ink, words, width) {
   return lines;
 }
 
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers @param {Palette} palette */
-function outsideInk(ink, look, gpu, calipers, palette) {
+/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes @param {Palette} palette */
+function outsideInk(ink, look, gpu, calipers, planes, palette) {
   const { view, path, store, rects } = look;
   const rect = rects.wall;
   const tube = view.tubeFactor(store);
+  const tops = topsOf(look, planes);
   unmeasured(ink, look, gpu, calipers, palette);
+  const writeAngles = drawDiscs(ink, look, planes, gpu, tops);
   zonesBeside(ink, look, gpu, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const beside = store.bitRadius * tube * 1.3;
@@ -82,7 +86,9 @@ function outsideInk(ink, look, gpu, calipers, palette) {
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
-  for (const [name, start] of look.intervals) {
+  writeAngles();
+  const named = [...tops.values()];
+  for (const [name, start] of look.intervals.filter(([one]) => !named.includes(one))) {
     const at = start > view.top && start < view.bottom && gpu.project(path.at(start), rect, gpu.aside(path.at(start), -beside));
     ink.font = SMALL_BOLD;
     if (!at) continue;

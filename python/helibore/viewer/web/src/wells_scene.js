@@ -6,6 +6,7 @@ import { wallPoint } from './dips.js';
 import { Flat } from './flat.js';
 import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
+import { edgeOf } from './plane_rings.js';
 import { byId } from './dom.js';
 import { depthNumber, LENGTHS } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
@@ -196,16 +197,10 @@ export class Scene {
     return around((toolface) => minus(eastNorthUp(wallPoint(path, { depth, toolface, radius })), this.origin));
   }
 
-  // Return the edge of a disc in a plane that was picked, wider than the hole also where the plane runs along it.
+  // Return the edge of a disc in a plane that was picked.
   /** @param {import('./well.js').Well} well @param {Plane} plane */
   plane({ store }, plane) {
-    const { a, b, frame: { centre } } = plane;
-    const normal = normalOf(plane);
-    const side = normalised(cross(normal, Math.abs(normal[2]) > 0.9 ? [1, 0, 0] : [0, 0, 1]));
-    const other = cross(normal, side);
-    const radius = Math.min(5, 1.6 * Math.hypot(1, a, b)) * store.bitRadius * this.wells.tube;
-    const middle = minus(eastNorthUp(centre), this.origin);
-    return around((angle) => plus(plus(middle, side, radius * Math.cos((angle * Math.PI) / 180)), other, radius * Math.sin((angle * Math.PI) / 180)));
+    return edgeOf(plane, store.bitRadius * this.wells.tube, false).map((point) => minus(eastNorthUp(point), this.origin));
   }
 
   // Round places along east, north and up in the box: how far apart, and where, in metres of the scene.

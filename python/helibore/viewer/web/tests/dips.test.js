@@ -1,11 +1,12 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
-import { drawDips, drawLegend } from '../src/dip_ink.js';
+import { drawDips, drawLegend, tadpoles } from '../src/dip_ink.js';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys, bindTracks } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
+import { anglesInWords, anglesOf, edgeOf, topsOf } from '../src/plane_rings.js';
 import { Path } from '../src/path.js';
 
 const RAD = Math.PI / 180;
@@ -110,6 +111,49 @@ test('a kept pick is the plane that was fitted', () => {
   near(planeOf(made, { ...pick, radius: null }, 0.2).radius, 0.2, 0, 'bit size where none was measured,');
 });
 
+for (const [inclination, azimuth] of [[0.5, 30], [60, 70], [88, 250]]) {
+  test(`the disc of a plane has its true dip and azimuth however wide a hole of ${inclination} degrees is drawn`, () => {
+    const made = path(inclination, azimuth);
+    for (const [deepest, apparent] of [[0, 5], [130, 34], [250, 78]]) {
+      const plane = planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: apparent, toolface: deepest }, 0.1);
+      for (const tube of [1, 20, 500]) {
+        const edge = edgeOf(plane, 0.1 * tube, false);
+        const [from, ...on] = [0, 20, 50].map((i) => edge[i]);
+        const [u, v] = on.map((point) => point.map((x, i) => x - from[i]));
+        const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]].map((x, _, all) => (all[2] > 0 ? -x : x));
+        near(Math.atan2(Math.hypot(normal[0], normal[1]), -normal[2]) / RAD, plane.dip, 1e-6, `dip at tube x ${tube}:`);
+        near((Math.atan2(normal[1], normal[0]) / RAD + 360) % 360, plane.azimuth, 1e-6, `azimuth at tube x ${tube}:`);
+        const far = edge.map((point) => Math.hypot(...point.map((x, i) => x - plane.frame.centre[i])) / (0.1 * tube));
+        assert.ok(Math.max(...far) <= 6 && Math.max(...far) >= 1.4, `as large as the hole is drawn, ${Math.max(...far)}`);
+      }
+    }
+  });
+}
+
+test('the angles of a plane are two numbers, and a legend says what they are and from which north', () => {
+  const made = path(0, 0);
+  const plane = { dip: 34.4, azimuth: 44.6, apparent: 12, deepest: 359.7 };
+  assert.deepEqual([anglesOf(plane, made), anglesOf({ ...plane, azimuth: NaN }, made), anglesOf(plane, path(0, 0, { surveyed: false }))], ['34 / 045', '34 / –', '12 / 000']);
+  made.north = 'grid';
+  assert.deepEqual([anglesInWords(made), anglesInWords(path(0, 0)), anglesInWords(path(0, 0, { surveyed: false }))], ['dip / azimuth from grid north', 'dip / azimuth from the survey’s north', 'apparent dip / toolface of the deepest point']);
+});
+
+test('a top is the nearest plane within 0.2 m of it', () => {
+  const kept = [1009.9, 1010.15, 1014].map((depth) => ({ depth }));
+  assert.deepEqual([...topsOf({ intervals: [['A', 1010.1, 1013], ['B', 1013.7, null]] }, { kept })], [[kept[1], 'A']]);
+});
+
+test('a point in a groove has the radius of the wall beside the groove, and one in a washout that of the washout', () => {
+  const { made } = picking();
+  const radius = (depth) => (Math.abs(depth - 1010) < 0.08 ? 0.12 : depth > 1015 ? 0.15 : 0.1);
+  const [K, pitch] = [4, 0.01];
+  const vertex = (k) => (k < 0 ? null : { k, radius: radius(1000 + (k / K) * pitch) });
+  Object.assign(made.app.store, { quad: vertex, vertex, levels: [{ sectors: K, pitch, quadAt: (depth) => Math.round((depth - 1000) / pitch) * K }] });
+  assert.deepEqual([1010, 1010.05, 1008, 1000, 1017].map((depth) => made.point({ depth, toolface: 0 }).radius), [0.1, 0.1, 0.1, 0.1, 0.15]);
+  made.app.store.levels[0].pitch = 1;
+  assert.equal(made.point({ depth: 1010, toolface: 0 }).radius, 0.12, 'turns farther apart than the groove is wide: that of the place');
+});
+
 test('a tadpole of any dip and azimuth is whole in its track, whose title says which dip it is', () => {
   const rect = { left: 100, top: 80, width: 84, height: 400 };
   const [xs, texts] = [[], []];
@@ -120,7 +164,12 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
   const draw = (surveyed) => {
     const made = path(0, 0, { surveyed });
     const kept = [0, 89.9].flatMap((dip) => [0, 90, 180, 270].map((toolface) => planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: dip, toolface }, 0.1)));
-    drawDips(ink, { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } }, { kept, boxes: [], current: null, selected: null, open: false }, false);
+    const look = { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } };
+    const planes = { kept, boxes: [], current: null, selected: null, open: false };
+    drawDips(ink, look, planes, false);
+    const before = xs.length;
+    tadpoles(ink, look, rect, planes);
+    assert.ok(xs.length > before + 8 * 4, 'heads and tails');
   };
   draw(false);
   assert.ok(Math.min(...xs) >= 100 && Math.max(...xs) <= 184, `${Math.min(...xs)} to ${Math.max(...xs)}`);
@@ -143,7 +192,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ k: 0, radius: 0.1 }), vertex: () => ({ radius: 0.1 }), levels: [{ sectors: 4, pitch: 0.1, quadAt: () => 0 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
