@@ -49,9 +49,12 @@ export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
   return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
 }
 
+/** @param {Path} path */
+export const northOf = ({ north }) => (north ? `${north} north` : 'a north that is not stated');
+
 // Return what the two angles are.
 /** @param {Path} path */
-export const anglesInWords = ({ surveyed, north }) => (surveyed ? `dip / azimuth from ${north || 'the survey’s'} north` : 'apparent dip / toolface of the deepest point');
+export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northOf(path)}${path.north ? '' : ' (path.north states it)'}` : 'apparent dip / toolface of the deepest point');
 
 // Draw the discs; return a function that writes the angles beside them.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu @param {Map<Plane, string>} tops */
