@@ -85,7 +85,8 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     assert {"True", "dip [°]", "0", "30", "60", "90"} <= set(labels)
     assert "bed" in labels, "the legend of the classes in view"
     assert "fault" not in labels
-    assert screen.inner_text("#netText") == "1 pole, lower hemisphere; rose: dip azimuths"
+    unstated = "from a north that is not stated (path.north states it)"
+    assert screen.inner_text("#netText") == f"1 pole, lower hemisphere; rose: dip azimuths {unstated}"
     with screen.expect_download() as saved:
         screen.click("#dipSave")
     rows = Path(saved.value.path()).read_text().splitlines()
@@ -106,6 +107,15 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     again.close()
     screen.close()
     viewer.scene.change_picks(Picks.clear)
+
+
+def test_the_page_says_which_north_the_dip_azimuths_count_from(browser: Any) -> None:
+    path = hb.Survey([900.0, 2000.0], [30.0, 30.0], [200.0, 200.0], north="grid").path()
+    with hb.view(MadeWall(20_000), path=path) as viewer:
+        viewer.scene.change_picks(lambda picks: picks.put(Pick(kind="bed", depth=1012.0, toolface=0.0)))
+        screen = Screen(browser, viewer.url, "#md=1012&sec=6", drawn=False)
+        screen.until("document.getElementById('netText').textContent.endsWith('dip azimuths from grid north')")
+        screen.close()
 
 
 def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:

@@ -24,7 +24,7 @@ const wrapped = new Map();
 
 // Return a text in lines that are at most `width` pixels wide.
 /** @param {Ink} ink @param {string} text @param {number} width */
-function inLines(ink, text, width) {
+export function inLines(ink, text, width) {
   const key = `${width} ${text}`;
   let lines = wrapped.get(key);
   if (lines) return lines;

@@ -51,10 +51,12 @@ export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
 
 /** @param {Path} path */
 export const northOf = ({ north }) => (north ? `${north} north` : 'a north that is not stated');
+/** @param {Path} path */
+export const northInWords = (path) => northOf(path) + (path.north ? '' : ' (path.north states it)');
 
 // Return what the two angles are.
 /** @param {Path} path */
-export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northOf(path)}${path.north ? '' : ' (path.north states it)'}` : 'apparent dip / toolface of the deepest point');
+export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northInWords(path)}` : 'apparent dip / toolface of the deepest point');
 
 // Draw the discs; return a function that writes the angles beside them.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu @param {Map<Plane, string>} tops */

@@ -1,6 +1,7 @@
 // Save what the stage shows as a picture, PNG or SVG, under a line with the well and the section; beside it the stereonet and the
 // rose of the picks in view. A slide has the stage alone, laid out anew in fewer pixels: its texts are larger in proportion.
 
+import { inLines } from './columns.js';
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
@@ -83,7 +84,7 @@ const sideOf = (view, { kept, boxes }) => ([...kept, ...boxes].some(({ depth }) 
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} height */
 function drawSide(ink, look, planes, height) {
   const words = drawNet({ ink, ...NET }, look, planes, false);
-  label(ink, words, NET.width / 2, NET.height + 2, { colour: PALETTES[look.view.theme].soft, align: 'center', font: SMALL });
+  inLines(ink, words, NET.width - 16).forEach((text, i) => label(ink, text, NET.width / 2, NET.height + 14 * i, { colour: PALETTES[look.view.theme].soft, align: 'center', font: SMALL }));
   listPicks(ink, look, planes, height);
 }
 
@@ -118,7 +119,7 @@ export function paneOf({ renderer, view, picking, repaint }, sharpen) {
 function listPicks(ink, { view, path }, { kept, boxes }, height) {
   const palette = PALETTES[view.theme];
   const shown = [...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).sort((a, b) => a.depth - b.depth);
-  const first = NET.height + 30;
+  const first = NET.height + 46;
   const room = Math.max(0, Math.floor((height - first - 10) / ROW));
   shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
     const y = first + ROW * i;
