@@ -103,7 +103,7 @@ def fit_covariance(samples: Columns) -> Covariance | None:
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
-    steps = np.diff(np.unique(blocks[2]))
+    steps = np.diff(np.sort(blocks[2]))
     steps = steps[steps > _ROUNDING]
     noise = min(float(steps.min()), _GREATEST_STEP) ** 2 / 48.0 if steps.size else 0.0
     values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
