@@ -309,12 +309,14 @@ void register_wall(py::module_& m) {
            const std::string& instruction_set) {
             const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
             const InstructionSet level = instruction_set_named(instruction_set);
-            std::vector<double> found;
+            std::vector<LikelyCovariance> found;
             {
                 const WithoutGil released;
                 found = fit_covariance(columns, block_size, radius, least_noise, spacing, level);
             }
-            return found;
+            py::list all;
+            for (const LikelyCovariance& of : found) all.append(py::make_tuple(of.values, of.share));
+            return all;
         },
         py::arg("samples"), py::arg("block_size"), py::arg("radius"), py::arg("least_noise"), py::arg("spacing"),
         py::arg("instruction_set") = "automatic");

@@ -63,7 +63,7 @@ def fit_covariance(
     least_noise: float,
     spacing: float,
     instruction_set: str = "automatic",
-) -> list[float]: ...
+) -> list[tuple[list[float], float]]: ...
 def calibrate(
     samples: tuple[Floats, Floats, Floats],
     rows: Integers,

@@ -34,7 +34,7 @@ void every_instruction_set_finds_the_same() {
     for (const std::size_t size : {20U, 64U, 75U}) {
         const Blocks blocks(size == 75 ? 1 : 3, size, 3e-4);
         const auto fitted = [&](InstructionSet level) {
-            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 1e-12, 0.0, level);
+            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 1e-12, 0.0, level)[0].values;
         };
         const std::vector<double> plain = fitted(InstructionSet::plain);
         CHECK(plain.size() >= 8 && plain.size() <= 12);
@@ -49,12 +49,12 @@ void every_instruction_set_finds_the_same() {
 void finds_the_noise() {
     for (const double noise : {1e-4, 3e-4, 1e-3}) {
         const Blocks blocks(4, 60, noise);
-        const std::vector<double> found = fit_covariance(blocks.columns(), 60, 0.11, 1e-12, 0.0);
+        const std::vector<double> found = fit_covariance(blocks.columns(), 60, 0.11, 1e-12, 0.0)[0].values;
         CHECK(found[0] == 0.11);
         CHECK(std::abs(std::sqrt(found[1]) / noise - 1.0) < 0.3);
     }
     const Blocks blocks(4, 60, 1e-4);
-    CHECK(fit_covariance(blocks.columns(), 60, 0.11, 1e-6, 0.0)[1] >= 1e-6);
+    CHECK(fit_covariance(blocks.columns(), 60, 0.11, 1e-6, 0.0)[0].values[1] >= 1e-6);
 }
 
 void extremes() {
@@ -64,8 +64,11 @@ void extremes() {
     for (std::size_t i = 0; i < far.depth.size(); ++i) far.depth[i] = 1e7 * std::cos(static_cast<double>(i));
     for (const Blocks* blocks : {&equal, &far, &rough}) {
         const auto size = static_cast<Index>(blocks->depth.size() / 2);
-        for (const double value : fit_covariance(blocks->columns(), size, 0.11, 1e-12, 0.0))
-            CHECK(std::isfinite(value) && value > 0.0);
+        const auto likely = fit_covariance(blocks->columns(), size, 0.11, 1e-12, 0.0);
+        for (const double value : likely[0].values) CHECK(std::isfinite(value) && value > 0.0);
+        double shares = 0.0;
+        for (const LikelyCovariance& of : likely) shares += of.share;
+        CHECK(std::abs(shares - 1.0) < 1e-12);
     }
 }
 

@@ -45,6 +45,7 @@ constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 // turn, and above turns that differ by `other_turn`; a fast one also above all slow ones. In one block of all samples,
 // where chance may gain as much, it must be `great_gain`.
 constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, small_gain = 2.5, great_gain = 10.0;
+constexpr double usual_turn = 4.0;  // degrees a metre: a shape that turns by so much more is 1 / e as likely
 constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
 constexpr std::size_t most_peaks = 6;               // that are climbed
 constexpr double same_depth = 0.5, same_arm = 0.7;  // metres; mean cosine
@@ -86,6 +87,9 @@ class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
     Place best(double least_noise, double spacing);
+    // After best(), if that found no turn: it, and the places with turns that are about as likely, by half of the
+    // blocks.
+    const std::vector<Place>& likely() const { return likely_; }
 
   private:
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
@@ -106,6 +110,7 @@ class Fit {
     std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
     std::vector<double> toolface_;
     kernel::BlockRoom parts_;
+    std::vector<Place> likely_;
     Parameters slope_;  // of the last evaluation with slopes
     Matrix curvature_;  // expected second derivatives with the other sign
 };
@@ -373,6 +378,19 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
     });
     if (!alone || (std::abs(best.turn) < 4.0 * slow && fewer_than_four_arms()) || turned.value <= found.value + gain) {
         turn_by(0.0);
+        Place unturned = found;
+        unturned.value = evaluate(found.at, few, 2, false);
+        const double least = std::max(unturned.value, best.value) - gain;
+        likely_ = {unturned};
+        std::ranges::sort(likely, std::greater{}, &Place::value);
+        for (const Place& each : likely) {
+            const auto near = std::ranges::find_if(
+                likely_, [&](const Place& of) { return std::abs(each.turn - of.turn) < other_turn; });
+            if (near != likely_.end())
+                near->value = std::max(near->value, each.value);
+            else if (each.value > least)
+                likely_.push_back(each);
+        }
         return found;
     }
     Place again = climb(likeliest_start(limits).at, few, limits, 1, 20);
@@ -428,8 +446,8 @@ Place Fit::best(double least_noise, double spacing) {
 
 }  // namespace
 
-std::vector<double> fit_covariance(const SampleColumns& samples, Index block_size, double radius, double least_noise,
-                                   double spacing, InstructionSet instruction_set) {
+std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
+                                             double least_noise, double spacing, InstructionSet instruction_set) {
     const StandardArithmetic standard;
     require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
@@ -441,12 +459,23 @@ std::vector<double> fit_covariance(const SampleColumns& samples, Index block_siz
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
-    const Place best = fit.best(least_noise, spacing);
-    std::vector<double> values{rounded(radius), rounded(exponential(best.at[noise]))};
-    for (std::size_t p = 0; p < best.count; ++p)
-        if (p != noise) values.push_back(rounded(exponential(best.at[p])));
-    if (best.turn != 0.0) values.push_back(best.turn);
-    return values;
+    std::vector<Place> places{fit.best(least_noise, spacing)};
+    if (fit.likely().size() > 1) places.insert(places.end(), fit.likely().begin() + 1, fit.likely().end());
+    std::vector<LikelyCovariance> found;
+    double shares = 0.0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Place& of = places[i];
+        std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
+        for (std::size_t p = 0; p < of.count; ++p)
+            if (p != noise) values.push_back(rounded(exponential(of.at[p])));
+        if (of.turn != 0.0) values.push_back(of.turn);
+        found.push_back(
+            {std::move(values),
+             i == 0 ? 1.0 : exponential(of.value - fit.likely()[0].value - std::abs(of.turn) / usual_turn)});
+        shares += found.back().share;
+    }
+    for (LikelyCovariance& of : found) of.share /= shares;
+    return found;
 }
 
 }  // namespace helibore

@@ -2,10 +2,10 @@
 
     radius = shape(depth, toolface) + bias[arm] + noise
 
-The shape has the covariance of the hole, and the biases are normal with one variance, which maximises the restricted
-likelihood of the blocks of `helibore.wall.covariance`: where arms pass the same wall, or a shape that continues, they
-disagree. A wall is a weighted mean of samples. With W the sum of the weights of one arm at a vertex, its bias adds W^2
-times the variance.
+The shape has the covariance of the hole, and the biases are normal with one variance. It is the mean of the variances
+from (0.01 mm)^2 to (3 mm)^2 by their restricted likelihood in the blocks of `helibore.wall.covariance`: where arms pass
+the same wall, or a shape that continues, they disagree, and two or three arms may agree by chance. A wall is a weighted
+mean of samples. With W the sum of the weights of one arm at a vertex, its bias adds W^2 times the variance.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ def bias_variance(samples: Columns, arm: Integers, covariance: Covariance) -> fl
     variances = _DEVIATIONS**2
     spread = 1.0 + variances[:, None] * size
     likelihood = np.sum(square * variances[:, None] / spread - np.log(spread), axis=1)
-    best = int(np.argmax(likelihood))
-    return float(variances[best]) if likelihood[best] > 0.0 else 0.0
+    share = np.exp(likelihood - likelihood.max())
+    return float(share @ variances / share.sum())
 
 
 def square_shares(samples: tuple[Floats, ...], arm: Integers, settings: Settings, threads: int) -> Floats:

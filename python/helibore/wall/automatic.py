@@ -136,14 +136,12 @@ def _by_samples_left_out(
 
 def near_and_far(covariance: Covariance, settings: Settings) -> Settings:
     """Return the settings of kriging with near and far neighbours."""
-    values = [covariance.radius, covariance.noise, *(value for term in covariance.terms for value in term)]
-    values += [covariance.turn] if covariance.turn else []
     reach = settings.max_distance
     if reach == Settings.max_distance:
         longest = max(term.along for term in covariance.terms)
         reach = float(np.clip(2.0 * longest, Settings.max_distance or 1.0, _LONGEST))
     return replace(
-        settings, estimator="near-and-far", covariance=tuple(values), neighbors=NEIGHBORS, max_distance=reach
+        settings, estimator="near-and-far", covariance=covariance.values, neighbors=NEIGHBORS, max_distance=reach
     )
 
 

@@ -32,6 +32,8 @@ FEWEST = 40
 MOST_TERMS = 3
 FARTHEST_ALIKE = 15.0
 """Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
+OTHER_TURN = 3.0
+"""Degrees a metre: shapes with less different turns are one; also in `covariance.cpp`."""
 _ONE_BLOCK = 300
 """So many samples are one block: their likelihood is exact, and costs less than that of small blocks."""
 _BLOCKS, _BLOCK_SIZE = 12, 64
@@ -40,6 +42,8 @@ _ROOT3 = float(np.sqrt(3.0))
 _LEAST_NOISE = 1e-12  # m^2
 _GREATEST_STEP = 0.1  # metres, of quantised radii
 _ROUNDING = 1e-9  # metres; a smaller difference of radii is a rounding error
+_PLACES = 100
+_SAME_ARMS = 0.7  # mean cosine, as in `covariance.cpp`
 _SEEDING = 100_000  # samples
 
 
@@ -69,6 +73,12 @@ class Covariance:
         return total
 
     @property
+    def values(self) -> tuple[float, ...]:
+        """The setting ``covariance`` of a wall."""
+        values = self.radius, self.noise, *(value for term in self.terms for value in term)
+        return (*values, self.turn) if self.turn else values
+
+    @property
     def variance(self) -> float:
         """Variance of the radius, m^2."""
         return sum(term.variance for term in self.terms)
@@ -96,9 +106,18 @@ def fit_covariance(samples: Columns) -> Covariance | None:
 
     If the radii are quantised, the noise is at least step^2 / 48.
     """
+    likely = likely_covariances(samples)
+    return likely[0][0] if likely else None
+
+
+def likely_covariances(samples: Columns) -> list[tuple[Covariance, float]]:
+    """Return the fitted covariance, and those with other turns that the samples leave about as likely, with shares.
+
+    [] as for `fit_covariance`; the shares are those of probability. Few arms that do not cross leave several turns.
+    """
     depth, toolface, radius = samples
     if depth.size < FEWEST or float(np.ptp(radius)) < 1e-9:
-        return None
+        return []
     middle = float(np.median(radius))
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
@@ -106,8 +125,25 @@ def fit_covariance(samples: Columns) -> Covariance | None:
     steps = np.diff(np.sort(blocks[2]))
     steps = steps[steps > _ROUNDING]
     noise = min(float(steps.min()), _GREATEST_STEP) ** 2 / 48.0 if steps.size else 0.0
-    values = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
-    return covariance_of(values)
+    found = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
+    return [(covariance_of(values), share) for values, share in found]
+
+
+def shows_around(samples: Columns, covariance: Covariance) -> bool:
+    """Return whether samples show how the shape changes around the hole.
+
+    They do not if those within `Covariance.gap_reach` of each other lie as those of one, two or three arms: how alike
+    their radii are then follows from the length along the hole and from that around it alike.
+    """
+    depth, toolface, _ = samples
+    sums, pairs = np.zeros(3), 0
+    for at in depth[spread(depth.size, _PLACES)]:
+        low, high = np.searchsorted(depth, [at - 0.5 * covariance.gap_reach, at + 0.5 * covariance.gap_reach])
+        near = np.radians(toolface[low + spread(high - low, _BLOCK_SIZE)])
+        for arms in range(3):
+            sums[arms] += np.abs(np.exp(1j * (arms + 1) * near).sum()) ** 2 - near.size
+        pairs += near.size * (near.size - 1)
+    return bool(sums.max() <= _SAME_ARMS * pairs)
 
 
 def covariance_of(values: Sequence[float]) -> Covariance:

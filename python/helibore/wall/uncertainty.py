@@ -17,8 +17,12 @@ half as far again but at most 0.15 m, as far as a measured vertex may be from it
 
 With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
 square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples; if the arms of the samples are
-known, plus what their biases add (`helibore.wall.arm_biases`). There, a gap of the turn is
-measured within the greatest length of the covariance along the hole (0.5 to 15 m) above and below the vertex.
+known, plus what their biases add (`helibore.wall.arm_biases`). If the samples of few arms leave several turns of the
+shape along the hole about as likely, sigma^2 is the mean square, over all of them, of what they give less the wall.
+There, a gap of the turn is measured within the greatest length of the covariance along the hole (0.5 to 15 m) above and
+below the vertex, unless within that length the samples lie as those of one to three arms: these cannot show how the
+shape changes around the hole. A gap that is wider than the length of the long term around the hole may hide a shape,
+unless the shape turns past the arms.
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -26,7 +30,7 @@ noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -101,16 +105,43 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
     from helibore.wall.arm_biases import arm_numbers, bias_variance, square_shares
-    from helibore.wall.covariance import covariance_of
+    from helibore.wall.continuation import leaves_most_unmeasured
+    from helibore.wall.covariance import covariance_of, shows_around
 
     covariance = covariance_of(wall.settings.covariance or ())
     variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
+    if leaves_most_unmeasured(samples, wall.settings):
+        variance = _with_other_turns(wall, covariance.turn, variance, threads)
     arm = arm_numbers(samples, wall.arms)
     if arm is not None and (of_arms := bias_variance(samples, arm, covariance)) > 0.0:
         variance += of_arms * square_shares(wall.sample_columns, arm, wall.settings, threads)
     sigma: Floats = np.sqrt(variance)
-    sigma[_unmeasured(wall.along_shape)] = np.nan
+    around = np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius)
+    if covariance.turn == 0.0 and around < wall.settings.largest_gap:
+        wall = replace(wall, settings=replace(wall.settings, largest_gap=float(around)))
+    sigma[_unmeasured(wall.along_shape if shows_around(samples, covariance) else wall)] = np.nan
     return sigma
+
+
+def _with_other_turns(wall: WallColumns, turn: float, variance: Floats, threads: int) -> Floats:
+    """Return the variance of the radii about those of the wall if the shape may as well turn otherwise along the hole.
+
+    Each covariance that the samples leave likely gives a wall; those that turn as this wall does count as this wall.
+    """
+    from helibore.wall.covariance import OTHER_TURN, likely_covariances
+
+    depth, toolface, radius = wall.sample_columns[:3]
+    total, left = np.zeros(variance.size), 1.0
+    for covariance, share in likely_covariances((depth, toolface, radius)):
+        if abs(covariance.turn - turn) < OTHER_TURN:
+            continue
+        settings = replace(wall.settings, covariance=covariance.values, sigma=True, direct=False)
+        other = _core.Wall(vars(settings), threads, "automatic")
+        other.append(*wall.sample_columns)
+        total += share * (np.square(other.radius() - wall.radius) + other.sums()[0])
+        left -= share
+    found: Floats = total + left * variance
+    return found
 
 
 def arm_sigma(wall: WallColumns) -> float:

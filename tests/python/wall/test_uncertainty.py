@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from reference import Floats, exactly, instruction_sets
 
 import helibore as hb
 from helibore.cli.lines import sigma_lines
+from helibore.wall.covariance import covariance_of, likely_covariances
 from helibore.wall.estimates import in_depth_order
 from helibore.wall.uncertainty import Calibration, calibrate
 
@@ -83,6 +85,62 @@ def test_equal_radii_of_a_quantised_tool_are_not_sure_for_that() -> None:
     known = np.isfinite(sigma)
     assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.93
     assert sigma[known].min() > 1e-4
+
+
+def by_arms(first: Sequence[float], rate: float, turn: float, seed: int = 4) -> tuple[hb.Wall, Floats]:
+    """The wall by arms that start at these toolfaces and turn, in a breakout that turns, and its errors."""
+    depth = np.repeat(np.arange(0.0, 20.0, 0.05), len(first))
+    toolface = (np.tile(first, depth.size // len(first)) + rate * depth) % 360.0
+
+    def shape(depth: Floats, toolface: Floats) -> Floats:
+        away = (toolface - 40.0 - turn * depth + 90.0) % 180.0 - 90.0
+        return np.asarray(0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2.0)))
+
+    radius = shape(depth, toolface) + np.random.default_rng(seed).normal(0.0, 5e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="automatic")
+    return wall, np.abs(wall.radius - shape(wall.depth, wall.toolface))
+
+
+def test_arms_that_leave_several_turns_possible_are_not_sure() -> None:
+    """Two passes of two arms see a breakout that turns by 8 degrees a metre as one that does not turn."""
+    wall, error = by_arms([10.0, 190.0, 75.0, 255.0], 3.0, 8.0)
+    likely = likely_covariances(in_depth_order(wall.samples))
+    assert len(likely) > 1
+    assert sum(share for _, share in likely) == pytest.approx(1.0)
+    sigma = wall.sigma
+    known = np.isfinite(sigma)
+    assert known.mean() > 0.4
+    assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.85
+    assert np.max(error) > 5e-3
+
+
+def test_a_gap_that_may_hide_a_breakout_has_none() -> None:
+    """The gaps between fixed arms are wider than what the arms find that the shape is alike over."""
+    wall, error = by_arms([0.0, 30.0, 65.0, 80.0, 120.0, 150.0, 165.0, 215.0, 235.0, 260.0, 310.0, 330.0], 0.0, 0.0)
+    covariance = covariance_of(wall.settings.covariance or ())
+    around = np.degrees(covariance.terms[1].around / covariance.radius)
+    assert 20.0 < around < 50.0
+    sigma = wall.sigma
+    known = np.isfinite(sigma)
+    np.testing.assert_array_equal(known, wall._state().along_shape.angular_gap <= around)
+    assert 0.3 < known.mean() < 0.9
+    assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.9
+
+
+def test_one_pass_of_two_arms_that_turn_is_known_near_them_alone() -> None:
+    """A shape that changes within some metres along the hole gives the same samples as one that changes around it."""
+    depth = np.repeat(np.arange(0.0, 20.0, 0.05), 2)
+    toolface = (np.tile([17.0, 197.0], depth.size // 2) + 12.0 * depth) % 360.0
+    samples = hb.Caliper(depth, toolface, truth(depth, toolface))
+    short, long = ((0.11, 2.5e-7, 4e-8, 0.05, 0.02, 2e-5, 0.27, along) for along in (2.6, 100.0))
+    walls = [
+        hb.reconstruct(samples, bit_diameter=BIT, estimator="near-and-far", covariance=of, max_distance=10.0)
+        for of in (short, long)
+    ]
+    known = np.isfinite(walls[0].sigma)
+    assert 0.0 < known.mean() < 0.1
+    assert np.all(walls[0].angular_gap[known] <= 60.0)
+    assert np.isfinite(walls[1].sigma).all()
 
 
 def test_missing_in_gaps_of_depth_and_turn() -> None:
