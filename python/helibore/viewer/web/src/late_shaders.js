@@ -18,37 +18,32 @@ ivec2 at(int col, int row) {
   if (col >= K) { col -= K; row++; }
   return ivec2(col, min(abs(row), 2 * rows - abs(row)));
 }
-float above(ivec2 place, float c) { // a radius over c; 0 where it is missing
-  uvec4 t = texelFetch(texels, place, 0);
-  uint r = firstPass ? t.y : t.x;
-  return r == 0u ? 0.0 : float(r) * radiusUnit - c;
+// Returns a radius, or a value of the image, over c; 0 where it is missing.
+float above(ivec2 place, float c, bool image) {
+  float v;
+  if (image) {
+    v = texelFetch(column, place, 0).r;
+    if (!known(v)) return 0.0;
+    if (logarithmic) v = log(v);
+  } else {
+    uvec4 t = texelFetch(texels, place, 0);
+    v = float(firstPass ? t.y : t.x) * radiusUnit;
+    if (v == 0.0) return 0.0;
+  }
+  return v - c;
 }
-// Returns how the radius changes around a place of the grid, for a column and for a row, and its mean there over c.
-vec3 smoothRadii(vec2 where, float c) {
+// Returns how radii or values change around a place of the grid, for a column and for a row, and their mean there over c.
+vec3 smoothed(vec2 where, float c, bool image) {
   ivec2 cell = ivec2(floor(where + 0.5));
   vec2 f = where - vec2(cell);
   vec3 across = spline(f.x), along = spline(f.y), acrossChange = change(f.x), alongChange = change(f.y), sum = vec3(0.0);
-  for (int j = -1; j < 2; j++) {
-    vec3 r = vec3(above(at(cell.x - 1, cell.y + j), c), above(at(cell.x, cell.y + j), c), above(at(cell.x + 1, cell.y + j), c));
-    float w = j < 0 ? along.x : j == 0 ? along.y : along.z;
-    sum += vec3(w, j < 0 ? alongChange.x : j == 0 ? alongChange.y : alongChange.z, w) * vec3(dot(acrossChange, r), vec2(dot(across, r)));
+  for (int j = 0; j < 3; j++) {
+    int x = cell.x, y = cell.y + j - 1;
+    vec3 r = vec3(above(at(x - 1, y), c, image), above(at(x, y), c, image), above(at(x + 1, y), c, image));
+    vec2 w = j == 0 ? vec2(along.x, alongChange.x) : j == 1 ? vec2(along.y, alongChange.y) : vec2(along.z, alongChange.z);
+    sum += w.xyx * vec3(dot(acrossChange, r), vec2(dot(across, r)));
   }
   return sum;
-}
-vec2 added(ivec2 place, float w) { // a value of an image by its weight, and the weight if the value is known
-  float v = texelFetch(column, place, 0).r;
-  return known(v) ? w * vec2(logarithmic ? log(v) : v, 1.0) : vec2(0.0);
-}
-// Returns the mean of the values of an image around a place of the grid.
-float smoothImage(vec2 where) {
-  ivec2 cell = ivec2(floor(where + 0.5));
-  vec3 across = spline(where.x - float(cell.x)), along = spline(where.y - float(cell.y));
-  vec2 sum = vec2(0.0);
-  for (int j = -1; j < 2; j++) {
-    float w = j < 0 ? along.x : j == 0 ? along.y : along.z;
-    for (int i = -1; i < 2; i++) sum += added(at(cell.x + i, cell.y + j), w * (i < 0 ? across.x : i == 0 ? across.y : across.z));
-  }
-  return logarithmic ? exp(sum.x / sum.y) : sum.x / sum.y;
 }
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
@@ -60,9 +55,13 @@ void main() {
   bool near = fine && !rings && small < 2.0;
   float v = value(k);
   float c = float(firstPass ? texel(k).y : texel(k).x) * radiusUnit;
-  vec3 radii = near ? smoothRadii(grid, c) : vec3(0.0);
+  vec3 radii = near ? smoothed(grid, c, false) : vec3(0.0);
   if (near && mode < 2 && known(v)) v = c + radii.z - (mode == 1 ? bitRadius : 0.0);
-  else if (near && mode == 5 && known(v)) v = smoothImage(grid - 0.5);
+  else if (near && mode == 5 && known(v)) {
+    if (logarithmic) v = log(v);
+    v += smoothed(grid - 0.5, v, true).z;
+    if (logarithmic) v = exp(v);
+  }
   else if (known(v)) { // rows under one pixel, far along the hole: show their mean
     float sum = v, count = 1.0;
     for (int i = 1; i < min(int(under.y), 8); i++) {
@@ -72,12 +71,12 @@ void main() {
     }
     v = sum / count;
   }
-  vec3 flat1 = normalize(outwards), from = normalize(seen), bent = normalize(normal);
+  vec3 flat1 = normalize(outwards), from = normalize(seen), bent = normal;
   if (near) {
     vec2 slant = clamp(steep * shape / small * radii.xy * vec2(float(K) / 6.2832 / exaggerated(c), 1.0 / pitch), -1.5, 1.5);
-    bent = normalize(flat1 - slant.x * cross(axis, flat1) - slant.y * axis);
+    bent = flat1 - slant.x * cross(axis, flat1) - slant.y * axis;
   }
-  float relief = abs(dot(bent, from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
+  float relief = abs(dot(normalize(bent), from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
   float far = 2.0 * length(seen) / lamp;
   vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.1, 1.2) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);

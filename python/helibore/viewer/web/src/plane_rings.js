@@ -105,7 +105,7 @@ export function drawDiscs(ink, look, planes, gpu, tops) {
     return { plane, colour, at, dx, dy };
   });
   return () => {
-    for (const { plane, colour, at, dx, dy } of beside.reverse().sort((one, other) => Number(tops.has(other.plane)) - Number(tops.has(one.plane)))) {
+    for (const { plane, colour, at, dx, dy } of beside.sort((one, other) => Number(tops.has(other.plane)) - Number(tops.has(one.plane)))) {
       const name = tops.get(plane);
       const text = [name, anglesOf(plane, path)].filter(Boolean).join('   ');
       ink.font = BOLD;
