@@ -16,7 +16,8 @@ const bundled = (/** @type {string} */ name, /** @type {string} */ format) => es
 }).outputFiles[0].text;
 const enclosable = (/** @type {string} */ code) => code.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
 const hash = (/** @type {string} */ code) => `'sha256-${createHash('sha256').update(code).digest('base64')}'`;
-const packed = (/** @type {Buffer | string} */ bytes) => gzipSync(bytes, { level: 9 }).toString('base64');
+// Memory level 7 makes the smallest file: its codes follow the contents more often than those of 8 and 9.
+const packed = (/** @type {Buffer | string} */ bytes) => gzipSync(bytes, { level: 9, memLevel: 7 }).toString('base64');
 
 // The shipped page, as html_export.py encloses it; rig mode is hidden.
 const app = enclosable(`${read(join(page, 'more.js'))}${read(join(page, 'app.js'))}`);

@@ -14,9 +14,9 @@ vec3 change(float f) { return vec3(f - 0.5, -2.0 * f, f + 0.5); }
 // Returns where the texel of a vertex is. The rows beyond those of the tile are not here: they mirror those before, so that tiles join
 // without a seam.
 ivec2 at(int col, int row) {
-  if (col < 0) { col += K; row--; }
-  if (col >= K) { col -= K; row++; }
-  return ivec2(col, min(abs(row), 2 * rows - abs(row)));
+  int wrap = col < 0 ? -1 : col < K ? 0 : 1;
+  row = abs(row + wrap);
+  return ivec2(col - wrap * K, min(row, 2 * rows - row));
 }
 // Returns a radius, or a value of the image, over c; 0 where it is missing.
 float above(ivec2 place, float c, bool image) {

@@ -66,22 +66,21 @@ export function drawDiscs(ink, look, planes, gpu, tops) {
   const radius = store.bitRadius * view.tubeFactor(store);
   const discs = linesOf(ink, look, planes).filter(({ plane: { depth } }) => depth >= view.top && depth <= view.bottom).map((disc) => {
     const { centre, high, right, tangent } = disc.plane.frame;
-    const middle = gpu.position({ centre });
-    const towards = minus(gpu.camera.position, middle);
-    return { ...disc, middle, towards, along: eastNorthUp(tangent), front: (Math.atan2(dot(eastNorthUp(right), towards), dot(eastNorthUp(high), towards)) * 180) / Math.PI };
+    const towards = minus(gpu.camera.position, gpu.position({ centre }));
+    return { ...disc, towards, along: eastNorthUp(tangent), front: (Math.atan2(dot(eastNorthUp(right), towards), dot(eastNorthUp(high), towards)) * 180) / Math.PI };
   }).sort((one, other) => dot(other.towards, other.towards) - dot(one.towards, one.towards)); // the nearest last
-  const beside = discs.map(({ plane, colour, stroke, middle, towards, along, front }) => {
+  const beside = discs.map(({ plane, colour, stroke, towards, along, front }) => {
     /** @param {boolean} cut @param {number} from */
     const points = (cut, from) => edgeOf(plane, radius, cut, [from - 90, from + 90]).map((centre) => gpu.project({ centre }, rect)).filter((at) => at !== null);
     const side = scaled(normalised(cross(along, towards)), radius);
-    const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.camera.project(plus(plus(middle, side, x), along, y * SIZE.most * radius)));
+    const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.project(plane.frame, rect, plus(scaled(side, x), along, y * SIZE.most * radius)));
     for (const [from, behind] of /** @type {[number, boolean][]} */ ([[front + 180, true], [front, false]])) {
       const edge = points(false, from);
       ink.save();
       if (behind) { // the hole hides it
         ink.beginPath();
         ink.rect(rect.left, rect.top, rect.width, rect.height);
-        hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](rect.left + ((at[0] + 1) / 2) * rect.width, rect.top + ((1 - at[1]) / 2) * rect.height));
+        hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](...at));
         ink.clip('evenodd');
       }
       ink.beginPath();

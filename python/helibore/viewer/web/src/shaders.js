@@ -209,10 +209,11 @@ vec3 rock(int k, float v, bool gap) {
   bool between = mode != 5 && (state & 0x800u) != 0u;
   vec3 plain = vec3(dark ? 0.24 : 0.80);
   vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, gap || mode == 5 ? 0.0 : between ? 0.48 : 0.6 * doubt(state));
-  if (gap || between || !known(v)) { // dense where there is no data
-    float at = (grid.x / float(K) * 24.0 + (between && !gap ? 1.0 : -1.0) * depthHere / (0.2618 * bitRadius)) * (between && !gap ? 1.0 : 2.0);
+  if (gap || between || !known(v)) {
+    bool sparse = between && !gap; // dense where there is no data
+    float at = (grid.x / float(K) * 24.0 + (sparse ? 1.0 : -1.0) * depthHere / (0.2618 * bitRadius)) * (sparse ? 1.0 : 2.0);
     float wide = fwidth(at), stripe = smoothstep(0.3 + wide, 0.3, abs(fract(at) - 0.5) + 0.1);
-    base = mix(base, plain * 0.6, (between && !gap ? 0.35 : 0.8) * (1.0 - stripe) * smoothstep(0.7, 0.2, wide));
+    base = mix(base, plain * 0.6, (sparse ? 0.35 : 0.8) * (1.0 - stripe) * smoothstep(0.7, 0.2, wide));
   }
   return base;
 }
