@@ -285,7 +285,8 @@ async function begin() {
     byId('drop').hidden = true;
     return say('This browser has no WebAssembly or cannot unpack: use a newer one, such as Chrome 95, Firefox 113 or Safari 16.4.');
   }
-  parts = JSON.parse(new TextDecoder().decode(await unpacked('parts')));
+  const [tables, before, app, after, script] = new TextDecoder().decode(await unpacked('parts')).split('\0');
+  parts = { ...JSON.parse(tables), page: { before, app, after }, worker: script };
   worker = new Worker(URL.createObjectURL(new Blob([parts.worker], { type: 'text/javascript' })));
   worker.onmessage = ({ data: { id, found, refused, picks } }) => {
     if (picks) return remember(PICKS + log.mark, picks);
