@@ -121,6 +121,31 @@ def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
     screen.close()
 
 
+def test_a_zone_that_changes_replaces_its_own_row_alone(browser: Any, viewer: Any) -> None:
+    listed = "[...document.querySelectorAll('#zones button')].map((row) => row.title)"
+    screen = Screen(browser, viewer.url, "#md=1012&sec=24", (1366, 768), drawn=False)
+    screen.settle()
+    screen.evaluate("window.rows = [...document.querySelectorAll('#zones button')]")
+    before = screen.evaluate(listed)
+    worst, least = before[0], before[-1]
+    screen.evaluate("""(({ app }) => {
+      const weight = ({ severity, confidence }) => severity * confidence;
+      const least = app.zones.reduce((a, b) => (weight(a) < weight(b) ? a : b));
+      app.zones = app.zones.map((zone) => (zone === least ? { ...zone, severity: 900 } : zone));
+      app.redraw();
+    })(window.__wall)""")
+    screen.until("document.querySelector('#zones button').title.includes('900.0 times')")
+    after = screen.evaluate(listed)
+    assert after[0].split(",")[0] == least.split(",")[0]
+    assert after[1:] == before[:-1]
+    assert screen.evaluate("window.rows.map((row) => row.isConnected)") == [True] * (len(before) - 1) + [False]
+    screen.evaluate("window.__wall.app.zones = window.__wall.app.zones.filter(({ severity }) => severity < 900)")
+    screen.evaluate("window.__wall.app.redraw()")
+    screen.until(f"document.querySelector('#zones button').title === {worst!r}")
+    assert screen.evaluate(listed) == before[:-1]
+    screen.close()
+
+
 def test_a_short_list_of_zones_shows_them_all(browser: Any, viewer: Any) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=24", (1366, 768), drawn=False)
     screen.settle()

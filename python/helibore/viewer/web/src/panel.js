@@ -192,8 +192,8 @@ const LEAST_SHARE = 0.0005; // of a section: less is not written
 // What the figures of a section count, for their tooltips.
 const MEANINGS = {
   measured: 'Share of the wall with a sample within 0.15 m and 15°, little change, no gap above largest_gap (Help has more); empty: without a radius',
-  volume: 'Of the turns that have a radius all around; the others count nothing',
-  washed: 'Metres of the turns that are washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall, in whole turns and others',
+  volume: 'Of the turns that have a radius all around',
+  washed: 'Metres washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall',
 };
 
 // Two significant digits: what is mostly interpolated is worth no more.
@@ -223,7 +223,8 @@ export function sectionText(store, summary, units, zones, shown) {
   ];
 }
 
-let listed = { made: /** @type {unknown[]} */ ([]), sorted: /** @type {Zone[]} */ ([]) }; // what the list was made from, and its zones
+// What the list was made from, its zones, and its rows by what stands in them.
+let listed = { made: /** @type {unknown[]} */ ([]), sorted: /** @type {Zone[]} */ ([]), rows: /** @type {Map<string, HTMLElement>} */ (new Map()) };
 
 // List the zones, worst first; a click on a zone shows it. The zone at the cursor is marked, depths out of view are grey. Without a
 // zone, the title is the text `none`; if that is empty, the card is hidden.
@@ -233,12 +234,18 @@ export function listZones(zones, view, alarms, show, none) {
   const list = byId('zones');
   const made = [zones, units, theme, alarms.zones, none];
   if (made.some((one, i) => one !== listed.made[i])) {
-    listed = { made, sorted: bySeverity(zones) };
-    byId('zonesCard').hidden = zones.length === 0 && !none;
+    const sorted = bySeverity(zones);
+    const rows = new Map();
+    /** @type {(key: string, make: () => HTMLElement) => unknown} */
+    const row = (key, make) => rows.set(key, listed.rows.get(key) ?? make());
+    if (zones.length) row(units, () => headOf(units));
+    for (const zone of sorted) row(JSON.stringify([zone, units, theme, alarms.isNew(zone)]), () => rowOf(zone, view, alarms.isNew(zone), show));
+    place(list, listed.rows, rows);
+    listed = { made, sorted, rows };
+    byId('zonesCard').hidden = !zones.length && !none;
     byId('zonesCard').style.setProperty('--rows', String(zones.length));
     byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
     byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
-    list.replaceChildren(...(zones.length ? [headOf(units)] : []), ...listed.sorted.map((zone) => rowOf(zone, view, alarms.isNew(zone), show)));
     if (!list.onscroll) new ResizeObserver(countHidden).observe(list);
     list.onscroll = countHidden;
     countHidden();
@@ -253,10 +260,21 @@ export function listZones(zones, view, alarms, show, none) {
   });
 }
 
+// Put rows into a list in place of those of before. A row that was there stays: the browser need not lay it out anew.
+/** @param {HTMLElement} list @param {Map<string, HTMLElement>} before @param {Map<string, HTMLElement>} rows */
+function place(list, before, rows) {
+  for (const [key, row] of before) if (!rows.has(key)) row.remove();
+  let at = list.firstChild;
+  for (const row of rows.values()) {
+    if (row === at) at = at.nextSibling;
+    else list.insertBefore(row, at);
+  }
+}
+
 /** @param {Units} units */
 function headOf(units) {
   const head = document.createElement('div');
-  head.title = 'The extreme in the zone, and how probable its kind is; worst first, by the extreme over its limit times the probability. A depth that is not in view is grey';
+  head.title = 'The extreme in the zone, and how probable its kind is; worst first, by the extreme over its limit times the probability. Depths out of view are grey';
   head.append(...['', 'kind', `MD ${LENGTHS[units].depth.unit}`, LENGTHS[units].unit, 'sure'].map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   return head;
 }
@@ -265,7 +283,7 @@ function headOf(units) {
 function rowOf(zone, { units, theme }, isNew, show) {
   const row = document.createElement('button');
   row.type = 'button';
-  row.title = `${sentence(zone)}${zone.measured === null ? '' : `, ${showShare(zone.measured)} of its turns measured`}: the extreme of ${MEASURES[zone.kind]} in the zone, ${zone.severity.toFixed(1)} times its limit (N, P: next, previous)`;
+  row.title = `${sentence(zone)}${zone.measured === null ? '' : `, ${showShare(zone.measured)} of its turns measured`}: the extreme of ${MEASURES[zone.kind]} in the zone, ${zone.severity.toFixed(1)} times its limit`;
   row.classList.toggle('new', isNew);
   const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), sureText(zone)];
   row.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
