@@ -26,17 +26,19 @@ export function profile({ store, view, imagePieces, rects, arms }) {
     const last = (tile.level.shown - 1 - tile.index * tile.level.tileSize) / tile.level.sectors;
     const [from, stop] = [top, bottom].map((depth) => yOf(view, rect, depth));
     for (let y = Math.max(0, Math.floor(from)); y < Math.min(rows, stop); y++) {
-      const depths = [y, y + 1].map((p) => depthAt(view, rect, p));
-      const ends = depths.map((depth) => (depth - tile.startDepth) / pitch);
-      const first = Math.max(0, Math.floor(Math.min(...ends)));
-      for (let row = first; row <= Math.min(Math.max(...ends), tile.level.rows - 1, last - 1); row++) {
+      const upper = depthAt(view, rect, y);
+      const lower = depthAt(view, rect, y + 1);
+      const a = (upper - tile.startDepth) / pitch;
+      const b = (lower - tile.startDepth) / pitch;
+      const end = Math.min(Math.max(a, b), tile.level.rows - 1, last - 1);
+      for (let row = Math.max(0, Math.floor(Math.min(a, b))); row <= end; row++) {
         seen[y] = 1;
         between[y] |= turns.between[row];
         if (!arms) widen(found, y, turns, row);
       }
       if (!arms || !seen[y]) continue;
-      const [above, below] = depths.map((depth, i) => rowAt(arms.depth, depth + (i - 0.5) * Math.abs(pitch)));
-      for (let row = above; row < below; row++) widen(found, y, arms, row);
+      const below = rowAt(arms.depth, lower + Math.abs(pitch) / 2);
+      for (let row = rowAt(arms.depth, upper - Math.abs(pitch) / 2); row < below; row++) widen(found, y, arms, row);
     }
   }
   return found;
@@ -82,9 +84,10 @@ export function drawCaliper(ink, look) {
   ink.rect(rect.left, rect.top, rect.width, rect.height);
   ink.clip();
   runs(seen, (y) => seen[y] && Number.isNaN(min[y]), (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette));
-  fill(ink, rect.top, min, (size) => (size < bit ? [x(size), x(bit)] : null), palette.fills.under);
-  fill(ink, rect.top, max, (size) => (size > bit ? [x(bit), x(size)] : null), palette.fills['partly over']);
-  fill(ink, rect.top, c2, (size) => (size > bit ? [x(bit), x(size)] : null), palette.fills.over);
+  const middle = () => x(bit);
+  fill(ink, rect.top, min, x, middle, palette.fills.under);
+  fill(ink, rect.top, max, middle, x, palette.fills['partly over']);
+  fill(ink, rect.top, c2, middle, x, palette.fills.over);
   runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));
   curve(ink, rect, c2, x, palette.max, ACROSS);
   curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
@@ -95,13 +98,14 @@ export function drawCaliper(ink, look) {
   return found;
 }
 
-// Fill each pixel row from one place to another, all rows at once, so that no seam is seen between them.
-/** @param {Ink} ink @param {number} top @param {Float32Array} sizes @param {(size: number) => Pair | null} ends @param {string} colour */
-function fill(ink, top, sizes, ends, colour) {
+// Fill each pixel row from one place to another, which its size gives, all rows at once, so that no seam is seen between them.
+/** @param {Ink} ink @param {number} top @param {Float32Array} sizes @param {(size: number) => number} from @param {(size: number) => number} to @param {string} colour */
+function fill(ink, top, sizes, from, to, colour) {
   ink.beginPath();
   sizes.forEach((size, y) => {
-    const [a, b] = ends(size) ?? [0, 0];
-    if (b > a) ink.rect(a, top + y, b - a, 1);
+    const left = from(size);
+    const width = to(size) - left;
+    if (width > 0) ink.rect(left, top + y, width, 1);
   });
   ink.fillStyle = colour;
   ink.fill();

@@ -211,7 +211,8 @@ export function beyondEnds({ store, view, imagePieces }, quantity) {
     const figures = rowFigures(store, quantity, tile, view.pass) ?? [];
     const { pitch, rows } = tile.level;
     const ends = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
-    for (let row = Math.max(0, Math.floor(Math.min(...ends))); row < Math.min(rows, Math.max(...ends)); row++) {
+    const last = Math.min(rows, Math.max(...ends));
+    for (let row = Math.max(0, Math.floor(Math.min(...ends))); row < last; row++) {
       least = Math.min(least, figures[FIGURES * row + 3]);
       most = Math.max(most, figures[FIGURES * row + 4]);
     }

@@ -147,9 +147,9 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
   /** @type {(of: Pair, margin: number) => Box} */
   const box = ([dx, dy], wide) => ({ text, left: at.left + dx - wide, right: at.right + dx + wide, top: at.top + dy - wide, bottom: at.bottom + dy + wide });
   /** @type {(of: Pair) => boolean} */
-  const alone = (place) => !labels.some((other) => touch(box(place, margin), other));
+  const alone = (place) => !labels.some(touch.bind(null, box(place, margin)));
   /** @type {(of: Pair) => boolean} */
-  const clear = (place) => !strokes.some((stroke) => strikes(stroke, box(place, 1)));
+  const clear = (place) => !strokes.some(strikes.bind(null, box(place, 1)));
   const place = near.find((one) => alone(one) && clear(one)) ?? (near.length ? [] : [HERE]).find(alone);
   if (yields && !place) return;
   const [dx, dy] = place ?? near[0] ?? HERE;

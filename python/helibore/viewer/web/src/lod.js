@@ -15,27 +15,21 @@ export function pickStride(strides, pixels, limit) {
   return best;
 }
 
-// Return the steps 0, s, 2s, ..., which always end on n.
-/** @param {number} n @param {number} stride */
-export function steps(n, stride) {
-  const out = [];
-  for (let i = 0; i < n; i += stride) out.push(i);
-  out.push(n);
-  return out;
-}
-
 // Return the corners of two triangles for each cell, (a0, a1, b1) and (a0, b1, b0): counter-clockwise seen from the formation.
+// The last column and the last row of cells may be narrower than their stride.
 /** @param {number} sectors @param {number} rows @param {number} colStride @param {number} rowStride */
 export function gridIndices(sectors, rows, colStride, rowStride) {
-  const cols = steps(sectors, colStride);
-  const lines = steps(rows, rowStride);
-  const indices = new Uint16Array(6 * (cols.length - 1) * (lines.length - 1));
+  const indices = new Uint16Array(6 * Math.ceil(sectors / colStride) * Math.ceil(rows / rowStride));
   let at = 0;
-  for (let i = 0; i + 1 < lines.length; i++) {
-    for (let j = 0; j + 1 < cols.length; j++) {
-      const [a0, a1] = [lines[i] * (sectors + 1) + cols[j], lines[i] * (sectors + 1) + cols[j + 1]];
-      const [b0, b1] = [lines[i + 1] * (sectors + 1) + cols[j], lines[i + 1] * (sectors + 1) + cols[j + 1]];
-      indices.set([a0, a1, b1, a0, b1, b0], at);
+  for (let row = 0; row < rows; row += rowStride) {
+    for (let col = 0; col < sectors; col += colStride) {
+      const a = row * (sectors + 1);
+      const b = Math.min(row + rowStride, rows) * (sectors + 1);
+      const next = Math.min(col + colStride, sectors);
+      indices[at] = indices[at + 3] = a + col;
+      indices[at + 1] = a + next;
+      indices[at + 2] = indices[at + 4] = b + next;
+      indices[at + 5] = b + col;
       at += 6;
     }
   }
@@ -50,7 +44,7 @@ export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch },
   const line = (row) => Math.min(Math.max(row, 0), Math.ceil(rows / strides.rows));
   const first = line(Math.floor((Math.min(...places) - 1) / strides.rows)); // a turn is one pitch deep
   const last = line(Math.ceil((Math.max(...places) + 1) / strides.rows));
-  const aRow = 6 * (steps(sectors, strides.cols).length - 1);
+  const aRow = 6 * Math.ceil(sectors / strides.cols);
   return [first * aRow, (last - first) * aRow];
 }
 

@@ -17,6 +17,8 @@ const FULL = 0.03; // metres over bit radius that fill the enlargement's width
 export class DepthMap {
   constructor() {
     this.canvas = document.createElement('canvas');
+    /** @type {ImageData | undefined} */
+    this.picture = undefined; // of the canvas, made once for its size
     this.key = '';
   }
 
@@ -78,12 +80,14 @@ export class DepthMap {
     if (key === this.key) return;
     this.key = key;
     const [width, height] = [rects.map.width - 4, Math.ceil(rects.map.height)];
-    Object.assign(this.canvas, { width, height });
     const ink = pen(this.canvas);
-    const picture = ink.createImageData(width, height);
+    if (this.picture?.width !== width || this.picture.height !== height) {
+      Object.assign(this.canvas, { width, height });
+      this.picture = ink.createImageData(width, height);
+    }
     const palette = PALETTES[view.theme];
     const paint = {
-      pixels: new Uint32Array(picture.data.buffer),
+      pixels: new Uint32Array(this.picture.data.buffer).fill(0),
       width,
       colours: new Uint32Array(lookup(themed(map, view.theme === 'dark')).buffer),
       missing: packed(palette.hatch),
@@ -92,7 +96,7 @@ export class DepthMap {
     /** @param {number} y */
     const place = (y) => (a + (y / height) * (b - a) - over.startDepth) / over.pitch; // in turns of the overview
     for (let y = 0; y < height; y++) paintRow(paint, y, rowOf(store, quantity, view.pass, place(y), place(y + 1)), quantity);
-    ink.putImageData(picture, 0, 0);
+    ink.putImageData(this.picture, 0, 0);
   }
 }
 
@@ -102,13 +106,14 @@ function paintRow({ pixels, width, colours, missing, bar }, y, { means, between,
   const f = scaling(log);
   const [a, b] = [f(low), f(high)];
   const row = y * width;
+  /** @param {number} c */
+  const end = (c) => row + Math.round((c * WIDE) / means.length);
   means.forEach((mean, c) => {
     if (mean === undefined) return;
     const share = Math.min(1, Math.max(0, (f(mean) - a) / (b - a)));
     const colour = Number.isNaN(share) ? missing : colours[Math.round(255 * share)];
-    const [from, to] = [c, c + 1].map((end) => row + Math.round((end * WIDE) / means.length));
-    pixels.fill(colour, from, to);
-    if (between[c]) for (let x = from; x < to; x++) if ((x - row - y) % 4 === 0) pixels[x] = missing;
+    pixels.fill(colour, end(c), end(c + 1));
+    if (between[c]) for (let x = end(c); x < end(c + 1); x++) if ((x - row - y) % 4 === 0) pixels[x] = missing;
   });
   if (lacks) pixels.fill(missing, row, row + EDGE);
   pixels.fill(bar, row + WIDE + 4, row + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));

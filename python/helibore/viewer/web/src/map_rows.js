@@ -6,29 +6,29 @@ import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js'
 // Return the rings between two places (counted in rings) as one row: the mean of each sector (NaN if a cell of the sector has
 // no value, so that no mean hides a gap; undefined beyond the wall), whether a cell of the sector is interpolated between arms,
 // the largest enlargement, and whether a vertex lacks support.
-/** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {number} from @param {number} to */
+/** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {number} from @param {number} to @returns {MapRow} */
 export function rowOf(store, quantity, pass, from, to) {
   const over = store.levels[1];
-  const [x0, x1] = [Math.min(from, to), Math.max(from, to)];
-  /** @type {MapRow} */
-  const row = { means: [], between: [], most: 0, lacks: false };
-  for (let c = 0; c < over.sectors; c++) {
-    let [sum, count, between] = [0, 0, false];
-    for (let r = Math.floor(x0); r < Math.max(Math.floor(x0) + 1, Math.floor(x1)); r++) {
-      const k = r * over.sectors + c;
-      const { tile, at } = over.locate(k);
-      if (!tile || k >= over.shown) continue;
-      const strip = stripOf(store, quantity, pass, tile);
-      sum += strip.values[at];
-      row.most = Math.max(row.most, strip.enlarged[at]);
-      row.lacks ||= strip.lacks[at] === 1;
-      between ||= quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
-      count++;
+  const { sectors } = over;
+  const first = Math.floor(Math.min(from, to));
+  /** @type {number[]} */
+  const sums = Array(sectors).fill(0);
+  const between = Array(sectors).fill(false);
+  let [count, most, lacks] = [0, 0, false];
+  for (let r = first; r < Math.max(first + 1, Math.floor(Math.max(from, to))); r++) {
+    const { tile, at: start } = over.locate(r * sectors);
+    if (!tile || r * sectors >= over.shown) continue; // an overview has whole rings
+    const strip = stripOf(store, quantity, pass, tile);
+    count++;
+    for (let c = 0; c < sectors; c++) {
+      const at = start + c;
+      sums[c] += strip.values[at];
+      most = Math.max(most, strip.enlarged[at]);
+      lacks ||= strip.lacks[at] === 1;
+      between[c] ||= quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
     }
-    row.means.push(count ? sum / count : undefined);
-    row.between.push(between);
   }
-  return row;
+  return { means: sums.map((sum) => (count ? sum / count : undefined)), between, most, lacks };
 }
 
 // Return what the map needs of an overview tile; it is kept with the tile until the tile changes.

@@ -37,19 +37,14 @@ export function pointer(ink, x, y, length, colour) {
   ink.fill();
 }
 
-// Return whether a stroke passes through a box.
-/** @param {Stroke} stroke @param {Box} box */
-export function strikes([x0, y0, x1, y1], box) {
-  let [from, to] = [0, 1]; // the part of the stroke that is inside
-  for (const [start, run, low, high] of [[x0, x1 - x0, box.left, box.right], [y0, y1 - y0, box.top, box.bottom]]) {
-    if (run === 0) {
-      if (start <= low || start >= high) return false;
-      continue;
-    }
-    const [a, b] = [(low - start) / run, (high - start) / run];
-    [from, to] = [Math.max(from, Math.min(a, b)), Math.min(to, Math.max(a, b))];
-  }
-  return from < to;
+// Return whether a stroke passes through a box: it reaches into it across and down, and has corners of it on both sides.
+/** @param {Box} box @param {Stroke} stroke */
+export function strikes({ left, right, top, bottom }, [x0, y0, x1, y1]) {
+  if (Math.max(x0, x1) <= left || Math.min(x0, x1) >= right || Math.max(y0, y1) <= top || Math.min(y0, y1) >= bottom) return false;
+  /** @type {(x: number, y: number) => number} */
+  const side = (x, y) => (x - x0) * (y1 - y0) - (y - y0) * (x1 - x0);
+  const sides = [side(left, top), side(right, top), side(left, bottom), side(right, bottom)];
+  return Math.min(...sides) < 0 && Math.max(...sides) > 0;
 }
 
 export const DENSE = { step: 5, fill: 0.35, rising: true }; // no data
