@@ -208,6 +208,41 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         screen.close()
 
 
+def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(browser: Any) -> None:
+    string = {"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0]], "why": "", "bit": 1010.0}
+    string["hanging"] = [{"name": "bit"}, {"name": "stabiliser"}]
+    place = (1028.0, 1029.0, 0.206, 1028.0, "bit", 1028.5, 0)
+    down = {"places": 1, "nearest": place, "worst": place}
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "down", "touching": (0.213, 0.213)}
+    gap = ((None, (1015.0, 1020.0)), (None, (1015.0, 1021.0)))
+    state = {"bit_depth": 1010.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
+    with hb.view(MadeWall(20_000)) as viewer:
+        scene, digits = viewer.scene, "document.getElementById('rigWorst').textContent"
+        scene.update_state(**state, ahead=ahead | {"unseen": gap})
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        scene.update_state(zones=(), zones_to=1031.0)
+        screen.until(f"{digits} .startsWith('not known')")
+        assert screen.inner_text("#rigWorstMore") == "nobody saw 1015.0–1020.0 m"
+        unseen = ["Next going down: unseen hole in", "5.0 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit"]
+        scene.update_state(ahead=ahead | {"unseen": ((None, None),) * 2})
+        screen.until(f"{digits}.startsWith('none')")
+        assert screen.inner_text("#rigWorstMore").startswith("seen in 1005.0–")
+        scene.update_state(ahead=ahead | {"unseen": gap, "down": down})
+        screen.until(f"{digits}.includes('mm')")
+        assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit, 1015.0–1020.0 m"], "before the tight place"
+        assert not screen.evaluate("document.querySelector('#rigWhereCell.new')")
+        scene.update_state(bit_depth=1016.0)
+        screen.until("document.getElementById('rigWhere').textContent === '≤12.0 m'")  # the bit is in it
+        assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new"
+        scene.update_state(
+            bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
+        )
+        screen.until(f"{digits}.startsWith('none')")  # drilled, and the sensor follows
+        screen.close()
+
+
 def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(browser: Any) -> None:
     string = {"bodies": [[0.213, 1.0, 4.0]], "why": "", "bit": 1020.0}
     of = {"name": "stabiliser", "clearance": -0.004, "low": -0.009, "depth": 1015.3, "at_most": False, "short": 0.0}

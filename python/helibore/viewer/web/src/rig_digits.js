@@ -5,14 +5,12 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { recent } from './rig.js';
-import { meeting, placesAhead, reach, tightOn, UNSEEN, WAYS, widest } from './rig_places.js';
-import { turn } from './turns.js';
+import { NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
-const NOW = 0.05; // metres: so near is here
 const MOVED = 0.3; // metres that the bit may have moved on since the clearances were found
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
@@ -96,26 +94,6 @@ function parts(text) {
   return [digits, unit.join(' ')];
 }
 
-const LEAST_UNSEEN = 0.5; // metres
-const BY = 0.25; // metres from one turn that is looked at to the next
-
-// Return the ends of each stretch of hole between two depths that no sensor saw.
-/** @param {Store} store @param {number[]} ends @returns {Pair[]} */
-function unseenIn(store, [top, bottom]) {
-  const [level] = store.levels;
-  /** @type {Pair[]} */
-  const found = [];
-  let from = top;
-  for (let depth = top; depth < bottom; depth += BY) {
-    const row = Math.floor((depth - level.startDepth) / level.pitch);
-    const first = row * level.sectors;
-    if (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)) continue; // what the page has not loaded yet is no gap
-    if (depth - from >= LEAST_UNSEEN) found.push([from, depth]);
-    from = depth + BY;
-  }
-  return found;
-}
-
 // Write the worst place ahead, how sure it is and where; and what the string meets next, which may be the same place.
 /** @param {App} app */
 function writeWorst(app) {
@@ -123,20 +101,21 @@ function writeWorst(app) {
   const found = placesAhead(app);
   byId('rigWorstCell').className = !found ? '' : found.worst.tight || !found.worst.zone || !alarms.isNew(found.worst.zone) ? 'zone' : 'new';
   if (!found) {
-    const ends = reach(app);
+    const [top, bottom] = reach(app);
+    const end = Math.min(store.span[1], bottom);
     byId('rigWhereCell').className = '';
-    const [unseen] = unseenIn(store, ends).map(([start, stop]) => ({ start, stop, met: meeting(app, { kind: UNSEEN, start, stop }) })).sort((a, b) => (a.met?.left ?? 1e9) - (b.met?.left ?? 1e9));
-    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : ends[0] < ends[1] ? ['none', `seen in ${showSpan(ends[0], ends[1], units)}`] : ['not known', 'nobody saw it'];
-    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : Math.min(store.span[1], ends[1]) - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
+    const [unseen] = unseenAhead(app);
+    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'nobody saw it'];
+    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
-    if (digits !== 'not known' || !unseen?.met) return cell('rigWhere', 'Hole size', ...holeSize(app));
-    return cell('rigWhere', `Next going ${unseen.met.way}: ${UNSEEN} in`, ...distance(unseen.met.left, units), unseen.met.first);
+    if (digits !== 'not known' || !unseen) return cell('rigWhere', 'Hole size', ...holeSize(app));
+    return cell('rigWhere', `Next going ${unseen.way}: ${UNSEEN}${unseen.left > NOW ? ' in' : ''}`, ...distance(unseen.left, units), unseen.first);
   }
-  const { worst, next, count } = found;
+  const { worst, next, count, most } = found;
   const stuck = next.tight ? stuckIn(app, next) : -1;
   byId('rigWhereCell').className = stuck >= 0 || (next.tight && ahead?.moving) ? 'new' : '';
   /** @param {FirstPlace} of */
-  const kind = ({ tight, zone }) => (tight || !zone ? 'tight' : zone.kind);
+  const kind = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSigned(measure, units, units === 'mm' ? 0 : 1);
   const [digits, unit] = parts(size(worst));
@@ -151,8 +130,10 @@ function writeWorst(app) {
   const isNow = left <= NOW && !may;
   const at = hanging[i]?.depth;
   const head = `Next${next.way && ` going ${next.way}`}: ${next.tight ? 'sticks' : kind(next)}${isNow ? '' : ' in'}`;
-  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : `${size(next)} at ${showDepth(next.start, units, 1)}`;
-  cell('rigWhere', head, ...distance(left, units, may), `${first}, ${more}`);
+  const isUnseen = kind(next) === UNSEEN;
+  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.start, units, 1)}`;
+  const [far, farUnit] = distance(left, units, may);
+  cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}`);
 }
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.

@@ -1,8 +1,10 @@
 // The places that rig mode names: the worst hole ahead of the string, and what it meets next. Ahead is where the bit moves; if it rests,
 // either way.
 
-import { longest } from './view.js';
+import { LIFTED } from './lamp.js';
 import { RECENT, recent } from './rig.js';
+import { turn } from './turns.js';
+import { longest } from './view.js';
 import { byConsequence } from './zones.js';
 
 export const ROWS = 3; // bodies of the string that rig mode lists: the widest
@@ -11,6 +13,9 @@ const STEP = 5; // metres by which the section becomes longer
 /** @type {Way[]} */
 export const WAYS = ['up', 'down'];
 export const UNSEEN = 'unseen hole';
+export const NOW = 0.05; // metres: so near is here
+const LEAST_UNSEEN = 0.5; // metres
+const BY = 0.25; // metres from one turn that is looked at to the next
 const HOLDS = [UNSEEN, 'undergauge', 'key seat']; // hole in which the string may stick
 
 // Return the numbers of the widest bodies, in the order in which they hang.
@@ -26,15 +31,56 @@ export function worstOf(zones, [top, bottom]) {
 /** @param {App} app */
 const waysOf = ({ ahead }) => (ahead?.moving ? [ahead.moving] : WAYS);
 
-// Return the ends of the measured hole that the string enters within RECENT on the ways that the bit may take.
+// Return the ends of the hole that the string enters within RECENT on the ways that the bit may take: no deeper than the hole is drilled or,
+// if that is not known, measured.
 /** @param {App} app @returns {Pair} */
 export function reach(app) {
   const { store: { span }, bit, holeDepth, string } = app;
   if (bit === null) return /** @type {Pair} */ (recent(app.store));
   const ways = waysOf(app);
   const length = Math.max(0, ...(string?.bodies ?? []).map(([, long, position]) => long + position));
-  const bottom = ways.includes('down') ? Math.min(bit + RECENT, Math.max(bit, holeDepth ?? Infinity)) : bit;
-  return [Math.max(span[0], bit - length - (ways.includes('up') ? RECENT : 0)), Math.min(span[1], bottom)];
+  const bottom = ways.includes('down') ? Math.max(bit, Math.min(bit + RECENT, holeDepth ?? span[1])) : bit;
+  return [Math.max(span[0], bit - length - (ways.includes('up') ? RECENT : 0)), bottom];
+}
+
+// Return the ends of each stretch of hole within reach that no sensor saw.
+/** @param {App} app */
+function unseenIn(app) {
+  const { store } = app;
+  const [top, bottom] = reach(app);
+  const [level] = store.levels;
+  /** @type {Pair[]} */
+  const found = [];
+  let from = top;
+  for (let depth = top; ; depth += BY) {
+    const first = Math.floor((depth - level.startDepth) / level.pitch) * level.sectors;
+    const isEnd = depth >= bottom;
+    if (!isEnd && (depth > store.span[1] || (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)))) continue; // what the page has not loaded yet is no gap
+    const to = Math.min(depth, bottom);
+    if (to - from >= LEAST_UNSEEN) found.push([from, to]);
+    if (isEnd) return found;
+    from = depth + BY;
+  }
+}
+
+// Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. While hole is drilled, that
+// between sensor and bit does not count.
+/** @param {App} app @returns {FirstPlace[]} */
+export function unseenAhead(app) {
+  const { ahead, string, bit, holeDepth } = app;
+  const { bodies = [], hanging = [] } = string ?? {};
+  /** @type {(ends: Pair, met: Meeting | null) => FirstPlace[]} */
+  const place = ([start, stop], met) => (met ? [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, ...met }] : []);
+  const { unseen } = ahead ?? {};
+  const found = unseen
+    ? waysOf(app).flatMap((way) => widest(bodies).flatMap((i) => {
+      const ends = unseen[i]?.[way === 'up' ? 0 : 1];
+      const lower = (bit ?? NaN) - bodies[i][2];
+      return ends ? place(ends, { left: Math.max(0, way === 'up' ? lower - bodies[i][1] - ends[1] : ends[0] - lower), first: hanging[i]?.name ?? 'string', way }) : [];
+    }))
+    : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { kind: UNSEEN, start, stop })));
+  const isDrilled = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED;
+  return found.filter(({ stop }) => !(isDrilled && stop > (bit ?? NaN) - LIFTED)).sort((a, b) => a.left - b.left);
 }
 
 // Return what the string meets a stretch of hole with first, and how far the bit moves until then, on the shorter of the ways it may
@@ -67,9 +113,9 @@ export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
   });
 }
 
-// Return the worst place ahead, the next one that may hold the string, or else the worst again, and how many tight places lie on the way of the worst; null if nothing is ahead. Tight
-// hole comes before the zones, and of them that which counts most. `sure`: the probability that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, count: number } | null} */
+// Return the worst place ahead, the next one that may hold the string or, before the worst, was not seen, or else the worst again, and how many tight places lie on the way of the worst; null if nothing is ahead. Tight
+// hole comes before the zones, and of them that which counts most. `most`: the string may stick earlier, in hole not seen. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, count: number, most: boolean } | null} */
 export function placesAhead(app) {
   const { bit, zones } = app;
   const ends = reach(app);
@@ -82,8 +128,10 @@ export function placesAhead(app) {
   });
   const [worst] = [...tight.sort((a, b) => a.measure - b.measure), ...others];
   if (!worst) return null;
-  const holds = [...tight, ...others.filter(({ zone }) => zone && HOLDS.includes(zone.kind))].sort((a, b) => a.left - b.left);
-  return { worst, next: holds[0] ?? worst, count: worst.tight && worst.way ? (app.ahead?.[worst.way]?.places ?? 1) : 1 };
+  const unseen = unseenAhead(app);
+  const holds = [...tight, ...others.filter(({ zone }) => zone && HOLDS.includes(zone.kind)), ...unseen.slice(0, 1).filter(({ left }) => left > NOW && left < worst.left)].sort((a, b) => a.left - b.left);
+  const next = holds[0] ?? worst;
+  return { worst, next, most: unseen.some(({ way, left }) => way === next.way && left < next.left), count: worst.tight && worst.way ? (app.ahead?.[worst.way]?.places ?? 1) : 1 };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the places ahead. If the bit has
@@ -93,7 +141,7 @@ export function rigSection(app) {
   const { store, bit } = app;
   const down = store.levels[0].pitch > 0;
   const found = placesAhead(app);
-  const places = found ? [found.worst, found.next] : [];
+  const places = found ? [found.worst, found.next].filter(({ tight, zone }) => tight || zone) : [];
   const depth = bit ?? store.end;
   const [shallow, deep] = store.span;
   const lead = Math.abs(depth - store.end) > RECENT && (depth < shallow || depth > deep) ? store.end : depth; // the bit may be far from the wall
