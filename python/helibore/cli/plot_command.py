@@ -137,7 +137,7 @@ def report(**options: Any) -> None:
     """Write a report of a wall as one self-contained HTML page.
 
     \b
-    helibore report well.wall -o well.html --well "15/9-F-12"
+    helibore report well.wall -o well.html --header well="15/9-F-12"
     helibore report caliper.csv --bit-diameter 8.5in -o well.html
 
     SOURCE and the options are those of `helibore plot`. The page needs no network and prints on A4. The tables

@@ -8,10 +8,12 @@ import gzip
 import hashlib
 import json
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from command import run
@@ -21,7 +23,7 @@ from locations import SHARED
 from patience import PATIENCE
 
 import helibore
-from helibore.cli import VERBS
+from helibore.cli import VERBS, cli
 from helibore.cli.mesh_command import ENDINGS
 from helibore.simulation.tool import Hole, simulate
 
@@ -394,6 +396,21 @@ def test_the_help_of_every_verb_has_an_example_and_one_line_that_fits(verb: str)
     (line,) = re.findall(rf"^  {verb} +(.+)$", run("--help").output, re.MULTILINE)
     assert line.endswith("."), "not cut short"
     assert "..." not in line
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_every_example_of_the_help_has_options_of_its_verb_with_their_values(verb: str) -> None:
+    before_options = re.sub(r" *\\\n +", " ", run(verb, "--help").output.partition("\nOptions:")[0])
+    examples = re.findall(rf"^  helibore ({verb}\b.*)$", before_options, re.MULTILINE)
+    assert examples
+    for example in examples:
+        command, words = cli, shlex.split(example, comments=True)
+        while isinstance(command, click.Group):
+            name, *words = words
+            found = command.get_command(click.Context(command), name)
+            assert found, example
+            command = found
+        command.make_parser(click.Context(command)).parse_args(words)  # raises for another verb's option, or no value
 
 
 def test_tune_builds_the_wall_with_the_settings_it_finds(folder: Path, tmp_path: Path) -> None:
