@@ -199,6 +199,9 @@ def load_picks(run: Run, file: Path | None) -> Path | None:
     if file.exists():
         run.wall.picks = Picks.load(file, run.wall.path)
         run.messages.append(("picks", f"{len(run.wall.picks)} of {file.name}"))
+    elif run.wall.picks and run.settings.archive is not None:
+        ours = f"{len(run.wall.picks)} of {run.settings.archive.file.name}{ENDING}"
+        run.messages.append(("picks", f"{ours}, as {file.name} does not exist yet"))
     return file
 
 

@@ -222,6 +222,7 @@ def test_the_head_says_where_the_first_station_lies(
 def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Golden
 ) -> None:
+    import helibore as hb
     from helibore import plot, viewer
 
     seen: list[Any] = []
@@ -264,6 +265,15 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
     shown = run("--gauge", *images, *BIT, "--picks", "mine.csv")
     assert seen.pop() == Path("mine.csv")
     assert "picks saved in mine.csv" in " ".join(shown.stdout.split())
+    assert "does not exist yet" not in shown.stdout, "no archive has picks"
+    wall = hb.reconstruct(hb.Caliper.gauge(500.0, 501.0, 0.2159), bit_diameter=0.2159)
+    wall.picks.append(hb.Pick(kind="bed", depth=500.5, toolface=130.0))
+    wall.save("A.wall")
+    shown = run("A.wall", "--picks", "new.csv")
+    assert seen.pop() == Path("new.csv")
+    assert "picks 1 of A.wall.picks.csv, as new.csv does not exist yet picks saved in new.csv" in " ".join(
+        shown.stdout.split()
+    )
     shown = run("--gauge", *BIT, *survey, "--from", "500m", "--to", "501m")
     assert seen.pop() is None
     assert "picks not saved: only a survey was given" in " ".join(shown.stdout.split())
