@@ -75,6 +75,7 @@ class Window:
         self._shown: Wall | None = None
         self._path_moved = True
         self._newest: float | None = None
+        self._newest_bit: list[int] = []  # the number of the frame of the newest bit depth
         self._apart: dict[str, tuple[int, float]] = {}  # by pass that the wall does not take: samples, and since when
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
@@ -116,9 +117,11 @@ class Window:
         self._show_channels()
         known = {} if self._newest is None else {"newest": self._newest}
         sources = live.configuration.sources
-        if ages := live.ages():
-            bits = [age for name, age in ages.items() if name in sources and "bit_depth" in sources[name].rig]
-            known["received"] = float(round(time.time() - min(bits or ages.values())))
+        bits = [name for name, source in sources.items() if "bit_depth" in source.rig]
+        newest = live.model.rig.tracks["bit_depth"].order[-1:].tolist()
+        if (ages := live.ages()) and not (bits and newest and newest == self._newest_bit):  # else no bit depth has come
+            self._newest_bit = newest
+            known["received"] = float(round(time.time() - min(ages[name] for name in bits or ages)))
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
                 known[name] = received[0]

@@ -166,7 +166,7 @@ class RunState:
     bit_depth: float = math.nan  # metres; NaN: not known
     hole_depth: float = math.nan  # metres; NaN: not known
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
-    received: float = math.nan  # time of the last bytes from a source; NaN: not known
+    received: float = math.nan  # time of the last bit depth, without one of the last bytes; NaN: not known
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words
     # The two measured depths between which the true vertical depth is known, and the "down" at which it is 0.

@@ -16,12 +16,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from live_servers import configured, frames, free_port, until
+from live_wires import Clock
 from patience import PATIENCE
 
 import helibore as hb
 from helibore.cli import cli
 from helibore.live.alarms import Alarm
 from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 from helibore.simulation.rig import Rig
 
 pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
@@ -116,6 +118,28 @@ def test_the_page_knows_that_radii_come_of_a_pass_that_the_wall_does_not_take(mo
         taken.model.counts |= {"pass ream": 990}
         window.refresh({})
         assert window.scene.state.apart == ""
+
+
+@pytest.mark.usefixtures("needs_page")
+def test_the_age_on_the_page_is_that_of_the_bit_depth_whatever_else_comes():
+    from helibore.cli.live_view import Window
+
+    clock = Clock()
+    with Window("well-7") as window:
+        items = 'items = { bit_depth = "0108", hole_depth = "0110" }\n'
+        live = hb.Live(parse(f'{WALL}[source.rig]\naddress = "host"\nunits = "metric"\n{items}'), clock=clock)
+        window.follow(live)
+        live.receive("rig", wits.frame([(108, "120.00"), (110, "130.00")]))
+        clock.step(40)
+        window.refresh({})
+        came = window.scene.state.received
+        assert came == pytest.approx(time.time() - 40, abs=5)
+        live.receive("rig", wits.frame([(110, "130.00")]))
+        window.refresh({})
+        assert window.scene.state.received == came, "a frame without a bit depth"
+        live.receive("rig", wits.frame([(108, "120.00")]))
+        window.refresh({})
+        assert window.scene.state.received == pytest.approx(time.time(), abs=5), "the same depth, sent again"
 
 
 @pytest.mark.usefixtures("needs_page")

@@ -49,9 +49,9 @@ export class Pace {
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite' | 'pace'>} of */
 const isLate = (of) => of.received !== null && silenceOf(of) > 2 * of.pace.usual + SLACK;
 
-// Return the seconds since a source sent anything; NaN if it is not known.
+// Return the seconds since the last bit depth or, without one, since a source sent anything; NaN if it is not known.
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
-export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - Math.max(of.received, of.newest ?? 0));
+export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - of.received);
 
 // Whether hole is drilled, and no radius has come for three times the usual time.
 /** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth'>} of */
@@ -106,7 +106,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const quiet = alarms.feed.filter((one) => alarms.silenced.includes(one)).length;
   if (quiet) parts.push(`${quiet} silenced`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
-  return [colour, parts.join(' · '), trouble || (late && !isDead ? 'no new data' : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
+  return [colour, parts.join(' · '), trouble || (late && !isDead ? (bitDepth === null ? 'no new data' : 'no new bit depth') : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
 }
 
 // Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.

@@ -70,7 +70,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit 2.5 m above the end of data');
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
-  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new bit depth']);
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180, received: Date.now() / 1000 - 2 }), ['live', 'last radius 3 min old · 0.0 m behind bit', 'last radius 3 min old'], 'the bit depth comes on');
   const pace = new Pace();
   for (const at of [100, 101, 102, 104, 105, 105]) pace.note(at);
