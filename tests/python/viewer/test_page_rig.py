@@ -94,7 +94,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         assert head == "Worst of 2 going up: tight", "the worst leads, not the nearest"
         assert re.fullmatch(r"−16 mm, \d+ % sure", digits)
         assert more == f"{far.start:.1f}–{far.stop:.1f} m, in 15.8 m"
-        next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.start:.1f} m"]
+        next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.stop:.1f} m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == next_one
         assert screen.inner_text("#alarmText") == f"Tight above {size}, {span}", "two alarms, one place, one text"
         rows = screen.evaluate(ROWS)
@@ -153,6 +153,7 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         assert screen.evaluate(f"({CELL})('rigWorst')")[1:] == ["+12 mm, 90 % sure", "1030.0–1034.0 m, slot depth"]
         where = ["Next going up: key seat in", "3.0 m", "stabiliser, the worst place"]  # its upper end is at 1037 m
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new", "it may hold the string"
         assert screen.evaluate("window.__wall.app.view.top") < 1030, "it is in the picture"
         scene.update_state(ahead=ahead | {"moving": "down"})
         screen.until(f"{head} === 'Worst going down: washout'")
@@ -173,7 +174,7 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         screen.until(f"{head} === 'Worst going down: tight'")  # it hangs, and may move either way
         assert screen.inner_text("#rigWorst").startswith("−13 mm")
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
-        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1042.0 m"]
+        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         scene.update_state(bit_depth=1050.0, ahead=ahead | sides)
         screen.until(f"{head} === 'Worst going up: tight'")
@@ -322,6 +323,16 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         scene.update_state(alarms=("no data rig: nothing for 20 s",))
         screen.until("document.body.classList.contains('stale')")
         assert screen.inner_text("#alarmText") == "No data from rig"
+        pale = "getComputedStyle(document.querySelector('#rigBit small'))"
+        soft = "getComputedStyle(document.querySelector('#rigBitHead')).color"
+        assert screen.evaluate(f"[{pale}.opacity, {pale}.color === {soft}]") == ["1", True], "it can be read from afar"
+        said = ("no depth rig: it sends, and none of it is a bit depth", "no samples mwd: nothing", "lost rig: stopped")
+        scene.update_state(alarms=said[:2])
+        screen.until("document.getElementById('alarmText').textContent.includes('mwd')")
+        short = {"No bit depth from rig", "No samples from mwd"}
+        assert set(screen.inner_text("#alarmText").splitlines()) == short
+        scene.update_state(alarms=said[2:])
+        screen.until("/^rig not connected/i.test(document.getElementById('alarmText').textContent)")
         scene.update_state(alarms=())
         screen.until("!document.body.classList.contains('stale')")
         scene.update_state(channels=0)

@@ -113,7 +113,7 @@ function writeWorst(app) {
   }
   const { worst, next, count, most } = found;
   const stuck = next.tight ? stuckIn(app, next) : -1;
-  byId('rigWhereCell').className = stuck >= 0 || (next.tight && ahead?.moving) ? 'new' : '';
+  byId('rigWhereCell').className = stuck >= 0 || ((next.tight || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
   /** @param {FirstPlace} of */
   const kind = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
   /** @param {FirstPlace} of */
@@ -131,7 +131,7 @@ function writeWorst(app) {
   const at = hanging[i]?.depth;
   const head = `Next${next.way && ` going ${next.way}`}: ${next.tight ? 'sticks' : kind(next)}${isNow ? '' : ' in'}`;
   const isUnseen = kind(next) === UNSEEN;
-  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.start, units, 1)}`;
+  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}`;
   const [far, farUnit] = distance(left, units, may);
   cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}`);
 }

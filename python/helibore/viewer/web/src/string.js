@@ -66,7 +66,8 @@ export function drawString(ink, look) {
   if (!string) return;
   const palette = PALETTES[view.theme];
   const middle = rect.left + rect.width / 2;
-  const colour = colourOf(string, palette);
+  const usual = colourOf(string, palette);
+  const colour = view.rig && usual === palette.min ? palette.soft : usual; // green across a tight place would say "go"
   within(ink, rect, () => {
     for (const [diameter, length, position] of string.bodies) {
       const half = halfWidth(look, diameter);
