@@ -171,6 +171,30 @@ class TestPage:
             assert 0 < down.min() < down.max() < height
             screen.close()
 
+    @pytest.mark.parametrize("apart", [0.3, 1.5])
+    def test_names_of_tops_keep_the_order_of_their_depths_at_every_well(self, browser: Any, apart: float) -> None:
+        """Of wells far apart, whose tops are a few pixels from each other; a name without room is left out."""
+        tops = tuple(1003.0 + apart * i for i in range(5))
+        walls = {"A-1": made((0.0, 0.0, 0.0), tops), "B-2": made((250.0, -280.0, 0.0), tops)}
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, drawn=False)
+            screen.until("window.__wall.wells.drawn.length === 2")
+            screen.click("#fit")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 1')")
+            labels, ends = screen.evaluate(
+                "(({ scene, drawn }) => [document.getElementById('ink').labels,"
+                " drawn.map((well) => scene.project(scene.at(well, 1003), scene.rect))])(window.__wall.wells)"
+            )
+            names = [one for one in labels if one["text"].startswith("Bed")]
+            for x, _ in ends:
+                here = [one for one in names if abs(one["left"] - x) < abs(ends[1][0] - ends[0][0]) / 2]
+                assert len(here) > 1
+                assert [one["text"] for one in sorted(here, key=lambda one: one["top"])] == sorted(
+                    one["text"] for one in here
+                )
+            assert screen.touching("ink") == []
+            screen.close()
+
     def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
         rect, top, length = screen.evaluate(

@@ -129,7 +129,8 @@ export function within(ink, { left, top, width, height }, draw) {
 // Draw a text, on a halo if a colour for the halo is given. The canvas keeps the box of every text until the next frame (`sized`
 // deletes the boxes). `near` holds places, relative to (left, top): the text is drawn at the first of them where it touches no
 // text and no line that was drawn before. Without `near` the place is (left, top), and lines do not count. If `yields` is set, a
-// text that has no free place is not drawn. `margin` is how many pixels a text keeps clear of other texts.
+// text that has no free place is not drawn. `margin` is how many pixels a text keeps clear of other texts. Return the place, if
+// there is one.
 /**
  * @typedef {{ colour: string, halo?: string, align?: CanvasTextAlign, baseline?: CanvasTextBaseline, font?: string | null, near?: Pair[], yields?: boolean, margin?: number }} Lettering
  * @param {Ink} ink
@@ -137,6 +138,7 @@ export function within(ink, { left, top, width, height }, draw) {
  * @param {number} left
  * @param {number} top
  * @param {Lettering} lettering
+ * @returns {Pair | undefined}
  */
 export function label(ink, text, left, top, { colour, halo, align = 'left', baseline = 'middle', font = null, near = [], yields = false, margin = 0 }) {
   if (font) ink.font = font;
@@ -151,7 +153,7 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
   /** @type {(of: Pair) => boolean} */
   const clear = (place) => !strokes.some(strikes.bind(null, box(place, 1)));
   const place = near.find((one) => alone(one) && clear(one)) ?? (near.length ? [] : [HERE]).find(alone);
-  if (yields && !place) return;
+  if (yields && !place) return undefined;
   const [dx, dy] = place ?? near[0] ?? HERE;
   const [x, y] = [left + dx, top + dy];
   labels.push(box([dx, dy], 0));
@@ -163,6 +165,7 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
   }
   ink.fillStyle = colour;
   ink.fillText(text, x, y, ink.canvas.slide?.[text]);
+  return [dx, dy];
 }
 
 // Return the first text that fits the width; if none fits, as much of the last text as fits, on a slide all of it, to be drawn narrower.

@@ -244,27 +244,25 @@ export class Scene {
   /** @param {Ink} ink @param {Rect} rect */
   letter(ink, rect) {
     const { wells } = this;
-    const { gpu, drawn, view, tops } = wells;
+    const { gpu, drawn, view } = wells;
     const palette = PALETTES[view.theme];
-    /** @type {Pair[]} */
-    const near = [[0, 0], [0, -15], [0, 15], [0, -30], [0, 30]];
     for (const well of drawn) {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, 2.5 * well.store.bitRadius * wells.tube]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
     }
-    const colours = new Map(tops.map(({ name, colour }) => [name, colour]));
-    drawn.forEach((well, i) => {
-      for (const [name, start] of well.store.intervals) {
-        const same = drawn.findLastIndex(({ store }) => store.intervals.some(([one]) => one === name)) === i;
-        if (wells.hidden.has(name) || !same || start < well.store.span[0] || start > well.store.span[1]) continue; // named once, at the last well that has it
-        const at = this.project(this.at(well, start), rect);
-        const edge = this.disc(well, start, 2.4).map((point) => this.project(point, rect)?.[0] ?? -Infinity);
+    for (const well of drawn) {
+      const [top, bottom] = well.store.span;
+      const seen = well.store.intervals.filter(([name, start]) => !wells.hidden.has(name) && start >= top && start <= bottom)
+        .map(([name, start]) => ({ name, start, at: this.project(this.at(well, start), rect) })).sort((one, other) => (one.at?.[1] ?? 0) - (other.at?.[1] ?? 0));
+      let lowest = -Infinity; // no name stands above that of a top that is higher on the picture
+      for (const { name, start, at } of seen) {
         if (!at) continue;
-        const x = Math.max(...edge, at[0]) + 8;
-        ink.fillStyle = colours.get(name) ?? palette.ink;
-        label(ink, name, x, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true });
+        const edge = this.disc(well, start, 2.4).map((point) => this.project(point, rect)?.[0] ?? -Infinity);
+        const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => at[1] + dy > lowest);
+        const place = near.length ? label(ink, name, Math.max(...edge, at[0]) + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
+        lowest = place ? at[1] + place[1] : lowest;
       }
-    });
+    }
     if (wells.shown.box) this.letterBox(ink, rect, palette);
     compass(ink, gpu, rect, palette);
     label(ink, [`tube × ${wells.tube}`, wells.note ? 'places not stated' : ''].filter(Boolean).join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
