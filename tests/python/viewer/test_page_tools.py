@@ -144,6 +144,12 @@ def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
         (pick,) = viewer.scene.picks
         assert pick.depth == pytest.approx(1010.4, abs=0.02)
         assert "bed at 1010.40 m: moved by 0.40 m" in screen.inner_text("#notice")
+        screen.mouse.click(*place(screen, 0, pick.depth))
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.picking.selected") == pick.key, (
+            "a press on a handle deselects nothing"
+        )
+        assert screen.inner_text("#dipText").splitlines()[-2].endswith("A new pick begins off it.")
         screen.keyboard.press("2")
         screen.settle()
         assert "was a bed" in screen.inner_text("#notice")

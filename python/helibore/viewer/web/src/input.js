@@ -81,7 +81,7 @@ export function bindTracks(app) {
     pointers.delete(event.pointerId);
     app.picking.drop();
     if (drag?.head && drag.moved && !drag.head.edge) reorder(app, drag.head.name, at(event)[0]);
-    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event), reachOf(app, precision(event).curve));
+    if (drag && !drag.moved && !drag.onMap && drag.pick?.act !== 'dip' && event.type === 'pointerup') clickAt(app, ...at(event), reachOf(app, precision(event).curve));
     drag = null;
   };
   ink.addEventListener('pointerup', up);

@@ -548,7 +548,7 @@ export class Picking {
     byId('dipLoad').hidden = Boolean(pick) || this.points.length > 0 || Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [];
-    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class.`);
+    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class. A new pick begins off it.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
     else if (!current) lines.push([`Next ${this.kind} (1 to 6): drag from a crest or trough along it, or mark three points around the hole.`, 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     else if (!open) lines.push('Enter keeps it; another point improves the fit.');
