@@ -174,7 +174,7 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         screen.until(f"{head} === 'Worst going down: tight'")  # it hangs, and may move either way
         assert screen.inner_text("#rigWorst").startswith("−13 mm")
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
-        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m"]
+        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m, down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         scene.update_state(bit_depth=1050.0, ahead=ahead | sides)
         screen.until(f"{head} === 'Worst going up: tight'")
@@ -206,6 +206,30 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         assert screen.evaluate("document.querySelectorAll('#rigBodies .size.old').length") == 2, "the ways are of now"
         viewer.scene.update_state(string=string | {"bit": 1019.4})
         screen.until("!document.querySelector('#rigBodies .old')")
+        screen.close()
+
+
+def test_the_body_that_sticks_next_has_a_row_among_the_widest(browser: Any) -> None:
+    sizes = {"top stabiliser": (0.208, 20.0), "stabiliser": (0.21, 10.0), "near-bit": (0.212, 2.0), "bit": (0.216, 0.0)}
+    of = {"clearance": 0.004, "low": 0.003, "high": 0.005, "depth": 1010.0, "at_most": False, "short": 0.0}
+    string = {"bodies": [[size, 0.5, at] for size, at in sizes.values()], "why": "", "bit": 1028.0}
+    string["hanging"] = [of | {"name": name} for name in sizes]
+    place = (1002.0, 1004.0, 0.2, 1024.5, "bit", 1023.0, 3)
+    up = {"places": 1, "nearest": place, "worst": place}
+    ahead = {"up": up, "down": None, "bodies": ((1024.5, None), *((None, None),) * 3), "moving": "up"}
+    ahead |= {"touching": (0.208, 0.21, 0.212, 0.213)}
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
+        viewer.scene.update_state(**state, ahead=ahead)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.querySelector('#rigBodies .name')")
+        assert [row[0] for row in screen.evaluate(ROWS)] == ["stabiliser", "near-bit", "bit"]
+        first = (*place[:4], "top stabiliser", *place[5:])
+        viewer.scene.update_state(ahead=ahead | {"up": up | {"nearest": first, "worst": first}})
+        screen.until("document.querySelectorAll('#rigBodies .name').length === 4")
+        assert screen.evaluate(ROWS)[0][::3] == ["top stabiliser", "3.5 m"]
+        assert screen.evaluate(CLIPPED) == []
+        assert screen.evaluate(OVER) == []
         screen.close()
 
 

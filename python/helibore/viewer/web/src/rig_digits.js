@@ -133,7 +133,8 @@ function writeWorst(app) {
   const isUnseen = kind(next) === UNSEEN;
   const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}`;
   const [far, farUnit] = distance(left, units, may);
-  cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}`);
+  const [other] = next.tight && next.way && !ahead?.moving ? tightOn(app, next.way === 'up' ? 'down' : 'up') : [];
+  cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}${other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : ''}`);
 }
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
@@ -193,13 +194,14 @@ function withIn({ low, high }, units) {
 /** @param {number} metres @param {Units} units @param {boolean} [unsure] @returns {[string, string]} */
 const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && metres <= NOW) ? parts(showDepth(Math.max(0, metres), units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
 
-// Write a row for each of the widest bodies beside measured hole, in the order in which they hang: what it clears now, and how far it
+// Write a row for each of the widest bodies beside measured hole, and for that which sticks next, in the order in which they hang: what it clears now, and how far it
 // moves up or down until it sticks. If none of the widest is there, the widest that is has a row. Below them: the widest of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
   const { bodies = [], hanging = [] } = string ?? {};
-  const wide = widest(bodies);
+  const { next } = placesAhead(app) ?? {};
+  const wide = bodies.map((_, i) => i).filter((i) => widest(bodies).includes(i) || (next?.tight && hanging[i]?.name === next.first)).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
