@@ -27,6 +27,10 @@ FINEST_NUGGET = Rule("must be finite and at least 1e-6", lambda value: 1e-6 <= v
 COVARIANCE = Rule(
     "must have 5, 8 or 11 values, or a turn as one more", lambda values: len(values) in (5, 6, 8, 9, 11, 12)
 )
+BIASES = Rule(
+    "must have 1 to 256 numbers of -0.1 to 0.1 m",
+    lambda values: 1 <= len(values) <= 256 and all(-0.1 <= of <= 0.1 for of in values),
+)
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 
@@ -100,6 +104,10 @@ class Settings(Declared, group="wall"):
         "shape turns along the hole, by how many degrees a metre. The covariance of two radii is the sum over the "
         "terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / along)^2) and chord = 2 R "
         "sin(turned / 2), where turned = toolface difference - turn * depth difference. None: not known.",
+    ] = None  # fmt: skip
+    arm_biases: Annotated[tuple[float, ...] | None, BIASES,
+        "How much the radii of the tool's arms 0, 1, ... are too large (m). `Wall.append` subtracts it from samples "
+        "with an arm number; others, live ones too, are taken as they are. 'automatic' finds it.",
     ] = None  # fmt: skip
     sigma: Annotated[bool,
         "Keep for each vertex the sums from which `Wall.sigma` is computed. `Wall.sigma` then need not estimate all "

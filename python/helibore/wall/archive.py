@@ -155,8 +155,9 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
 
 
 def _settings(settings: Settings) -> dict[str, Any]:
-    """Return the settings by name, without a covariance that is not set: an archive older than it keeps its bytes."""
-    return {name: value for name, value in asdict(settings).items() if name != "covariance" or value is not None}
+    """Return the settings by name, without later ones that are not set: an archive older than they keeps its bytes."""
+    later = ("covariance", "arm_biases")
+    return {name: value for name, value in asdict(settings).items() if name not in later or value is not None}
 
 
 def _intervals(wall: WallColumns) -> dict[str, Any]:

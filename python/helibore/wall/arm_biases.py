@@ -1,14 +1,20 @@
-"""How far the arms of a tool are off: the variance of their biases, and what it adds to the uncertainty of a wall.
+"""How far the arms of a tool are off: their biases, how sure they are, and what they add to a wall's uncertainty.
 
     radius = shape(depth, toolface) + bias[arm] + noise
 
-The shape has the covariance of the hole, and the biases are normal with one variance. It is the mean of the variances
-from (0.01 mm)^2 to (3 mm)^2 by their restricted likelihood in the blocks of `helibore.wall.covariance`: where arms pass
-the same wall, or a shape that continues, they disagree, and two or three arms may agree by chance. A wall is a weighted
-mean of samples. With W the sum of the weights of one arm at a vertex, its bias adds W^2 times the variance.
+The shape has the covariance of the hole with a free mean, and the biases are normal with one variance: where arms pass
+the same wall, or a shape that continues, they disagree. Their mean is not known: it stays in the wall. The biases are
+expected values over the deviations that are likely, by the restricted likelihood of `_MOST` samples together and a
+prior. A shape that continues along the whole hole is always thought possible: of fixed arms, which only see such a
+shape, the biases are small. `Settings.arm_biases` subtracts them.
+
+A wall is a weighted mean of samples. With w the sums of the weights of each arm at a vertex and D the expected products
+of what remains of the biases, they add w D w to the variance.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,11 +22,20 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import FEWEST, Covariance, choose_blocks, content_seed
-from helibore.wall.estimates import Columns
+from helibore.wall.covariance import FEWEST, Covariance, covariance_of, fit_covariance
+from helibore.wall.estimates import Columns, in_depth_order
 from helibore.wall.interpolation import canonical_order
 
 _DEVIATIONS = np.geomspace(1e-5, 3e-3, 40)  # metres
+_USUAL = 2.5e-4  # metres, 0.01 inch; the logarithm of the deviation has a normal prior about this, of deviation 1
+_GREATEST = 2e-3
+"""Metres: with a larger bias, the arms follow the shape of the hole, as those of a tool that a breakout turns."""
+_SMALL = 0.1
+"""Biases up to this share of the noise of a sample are none."""
+_WHOLE_HOLE = 1e6
+_MOST, _ROUNDS = 1200, 4
+MOST_ARMS = 256
+"""Arms with larger numbers have no bias."""
 
 
 def arm_numbers(samples: Columns, arms: Caliper | None) -> Integers | None:
@@ -34,32 +49,99 @@ def arm_numbers(samples: Columns, arms: Caliper | None) -> Integers | None:
     return numbers if numbers.max(initial=0) > 0 else None
 
 
-def bias_variance(samples: Columns, arm: Integers, covariance: Covariance) -> float:
-    """Return the variance of the biases of the arms, m^2; 0 for fewer samples than a fit needs."""
+def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> tuple[Floats, Floats]:
+    """Return the biases of arms 0, 1, ..., metres, and their covariance, m^2; 0 for fewer samples than a fit needs."""
     depth, toolface, radius = samples
+    count = int(arm.max()) + 1
     if depth.size < FEWEST:
-        return 0.0
-    rows = choose_blocks(depth, toolface, covariance.radius, np.random.default_rng(content_seed(samples)))
-    turn, along = (of[rows][:, :, None] - of[rows][:, None] for of in (toolface, depth))
-    matrix = covariance.at(turn, along) + covariance.noise * np.eye(rows.shape[1])
-    of_arm = (arm[rows][..., None] == np.arange(arm.max() + 1)).astype(np.float64)
-    sides = np.concatenate([np.ones((*rows.shape, 1)), (radius[rows] - covariance.radius)[..., None], of_arm], axis=2)
-    products = np.swapaxes(sides, 1, 2) @ np.linalg.solve(matrix, sides)
-    products -= products[:, :, :1] * products[:, :1] / products[:, :1, :1]  # the mean of each block is free
-    total = products.sum(axis=0) * min(1.0, depth.size / rows.size)
-    size, axes = np.linalg.eigh(total[2:, 2:])
-    square, size = (axes.T @ total[2:, 1]) ** 2, np.maximum(size, 0.0)
-    variances = _DEVIATIONS**2
-    spread = 1.0 + variances[:, None] * size
-    likelihood = np.sum(square * variances[:, None] / spread - np.log(spread), axis=1)
-    share = np.exp(likelihood - likelihood.max())
-    return float(share @ variances / share.sum())
+        return np.zeros(count), np.zeros((count, count))
+    # The numbers of samples and arms are the seed: the radii with and without biases have the same ones.
+    rng = np.random.default_rng([depth.size, count])
+    rows = np.sort(rng.choice(depth.size, min(_MOST, depth.size), replace=False))
+    turn, along = (of[rows][:, None] - of[rows] for of in (toolface, depth))
+    longest = covariance.terms[min(1, len(covariance.terms) - 1)]
+    whole = replace(covariance, terms=(*covariance.terms, longest._replace(along=_WHOLE_HOLE)))
+    matrix = whole.at(turn, along) + covariance.noise * np.eye(rows.size)
+    of_arm = (arm[rows][:, None] == np.arange(count)).astype(np.float64)
+    sides = np.column_stack([np.ones(rows.size), radius[rows] - covariance.radius, of_arm])
+    products = sides.T @ np.linalg.solve(matrix, sides)
+    products -= np.outer(products[0], products[0]) / products[0, 0]  # the mean is free
+    size, axes = np.linalg.eigh(products[2:, 2:])
+    toward, size = axes.T @ products[2:, 1], np.maximum(size, 0.0)
+    variances = _DEVIATIONS[:, None] ** 2
+    spread = variances / (1.0 + variances * size)  # of each axis, by deviation
+    likelihood = np.sum(toward**2 * spread + np.log(spread / variances), axis=1) - np.log(_DEVIATIONS / _USUAL) ** 2
+    weights = np.exp(0.5 * (likelihood - likelihood.max()))
+    weights /= weights.sum()
+    each = spread * toward
+    mean = weights @ each
+    off = each - mean
+    inner = np.diag(weights @ spread) + (weights[:, None] * off).T @ off
+    biases: Floats = axes @ mean
+    if np.abs(biases).max() > _GREATEST:
+        return np.zeros(count), np.zeros((count, count))
+    return biases, axes @ inner @ axes.T
 
 
-def square_shares(samples: tuple[Floats, ...], arm: Integers, settings: Settings, threads: int) -> Floats:
-    """Return at each vertex the sum over the arms of the square of an arm's share in the radius, (n,)."""
+def remaining_products(samples: Columns, arms: Caliper | None, settings: Settings) -> tuple[Integers, Floats] | None:
+    """Return the arm of each sample, 0, 1, ..., and the expected products of what remains of the biases, m^2, (a, a).
+
+    None if the arms are not known. What remains is what `Settings.arm_biases` has not subtracted from the samples.
+    """
+    arm = arm_numbers(samples, arms)
+    if arm is None or arms is None or arms.arm is None:
+        return None
+    subtracted = biases_of(settings, np.unique(arms.arm))
+    measured = samples[0], samples[1], samples[2] + subtracted[arm]
+    found, covariance = find_biases(measured, arm, covariance_of(settings.covariance or ()))
+    off = found - subtracted
+    return arm, covariance + np.outer(off, off)
+
+
+def found_biases(caliper: Caliper, covariance: Covariance) -> tuple[float, ...] | None:
+    """Return the biases for `Settings.arm_biases`; None if all are small, or if there are not several
+    arms with numbers from 0 to 255.
+    """
+    if caliper.arm is None:
+        return None
+    numbers, arm = np.unique(caliper.arm, return_inverse=True)
+    if numbers.size < 2 or numbers[0] < 0 or numbers[-1] >= MOST_ARMS:
+        return None
+    arm = arm.reshape(-1)[np.argsort(caliper.depth, kind="stable")]  # as in_depth_order
+    samples = in_depth_order(caliper)
+    biases = np.zeros(numbers.size)
+    for _round in range(_ROUNDS):  # a covariance takes great biases for shape
+        before, (biases, _) = biases, find_biases(samples, arm, covariance)
+        if np.abs(biases - before).max() <= np.sqrt(covariance.noise):
+            break
+        covariance = fit_covariance((samples[0], samples[1], samples[2] - biases[arm])) or covariance
+    if np.abs(biases).max() <= _SMALL * np.sqrt(covariance.noise):
+        return None
+    by_number = np.zeros(int(numbers[-1]) + 1)
+    by_number[numbers] = np.round(biases, 7)
+    return tuple(by_number.tolist())
+
+
+def biases_of(settings: Settings, numbers: Integers) -> Floats:
+    """Return the biases that the settings have for arms with these numbers, metres; 0 for arms without one."""
+    biases = np.zeros(MOST_ARMS + 1)
+    stated = settings.arm_biases or ()
+    biases[: len(stated)] = stated
+    found: Floats = biases[np.where((numbers >= 0) & (numbers < MOST_ARMS), numbers, MOST_ARMS)]
+    return found
+
+
+def without_biases(caliper: Caliper, settings: Settings) -> Caliper:
+    """Return the samples less the biases of their arms, which the settings have."""
+    if caliper.arm is None or settings.arm_biases is None:
+        return caliper
+    radius = caliper.radius - biases_of(settings, caliper.arm)
+    return Caliper(caliper.depth, caliper.toolface, radius, caliper.time, arm=caliper.arm)
+
+
+def arm_shares(samples: tuple[Floats, ...], arm: Integers, settings: Settings, threads: int) -> Floats:
+    """Return the share of each arm in the radius of each vertex, (arms, n)."""
     wall = _core.Wall(vars(settings) | {"direct": False}, threads, "automatic")
     wall.append(*samples)
     shares = wall.interpolate_samples([(arm == each).astype(np.float64) for each in range(arm.max() + 1)], threads)
-    total: Floats = np.sum(np.square(shares), axis=0)
-    return total
+    return np.array(shares)

@@ -19,6 +19,7 @@ from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
+from helibore.wall.arm_biases import found_biases, without_biases
 from helibore.wall.continuation import spread_gaps
 from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, covariance_of, fit_covariance
 from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
@@ -71,9 +72,15 @@ class Choice:
             return f"inverse distance, because {self.reason}"
         chosen = self.settings.estimator
         if not self.errors:
-            return f"{LABELS[chosen]}; its error so far from samples cannot be known"
-        others = [f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen]
-        return f"{LABELS[chosen]}: expected error {1e3 * self.errors[chosen]:.3g} mm{self.where}; {', '.join(others)}"
+            return f"{LABELS[chosen]}; its error so far from samples cannot be known{self._biases}"
+        others = ", ".join(f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen)
+        expected = f"expected error {1e3 * self.errors[chosen]:.3g} mm{self.where}"
+        return f"{LABELS[chosen]}: {expected}; {others}{self._biases}"
+
+    @property
+    def _biases(self) -> str:
+        greatest = 1e3 * max(map(abs, self.settings.arm_biases or ()), default=0.0)
+        return f"; subtracts biases of arms, up to {greatest:.2g} mm" if greatest else ""
 
     @property
     def where(self) -> str:
@@ -85,19 +92,22 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     """Choose the estimator for the samples of a hole, and its settings.
 
     Of ``settings``, whose estimator is 'automatic', ``angular_scale``, ``kriging_range``, ``nugget``, ``covariance``
-    and ``neighbors`` are replaced as the chosen estimator needs, and ``max_distance`` if it has its default.
+    and ``neighbors`` are replaced as the chosen estimator needs, ``max_distance`` if it has its default, and
+    ``arm_biases`` if they are not given; the covariance is then that of the samples without these biases.
     """
     simple = replace(settings, estimator="inverse-distance")
     if caliper.basis != "azimuthal":
         return Choice(simple, {}, reason="no caliper measured around the hole")
     if settings.window is not None:
         return Choice(simple, {}, reason="the settings have a window")
-    samples = in_depth_order(caliper)
+    samples = in_depth_order(without_biases(caliper, settings))
     if samples[0].size < FEWEST:
         return Choice(simple, {}, reason=f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
     covariance = fit_covariance(samples)
     if covariance is None:
         return Choice(simple, {}, reason="all radii are equal")
+    if settings.arm_biases is None and (biases := found_biases(caliper, covariance)) is not None:
+        return choose(caliper, replace(settings, arm_biases=biases))
     full, seed = near_and_far(covariance, settings), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")

@@ -104,17 +104,20 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
-    from helibore.wall.arm_biases import arm_numbers, bias_variance, square_shares
+    from helibore.wall.arm_biases import arm_shares, remaining_products
     from helibore.wall.continuation import leaves_most_unmeasured
     from helibore.wall.covariance import covariance_of, shows_around
 
     covariance = covariance_of(wall.settings.covariance or ())
+
     variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
     if leaves_most_unmeasured(samples, wall.settings):
         variance = _with_other_turns(wall, covariance.turn, variance, threads)
-    arm = arm_numbers(samples, wall.arms)
-    if arm is not None and (of_arms := bias_variance(samples, arm, covariance)) > 0.0:
-        variance += of_arms * square_shares(wall.sample_columns, arm, wall.settings, threads)
+    remaining = remaining_products(samples, wall.arms, wall.settings)
+    if remaining is not None:
+        arm, products = remaining
+        shares = arm_shares(wall.sample_columns, arm, wall.settings, threads)
+        variance += np.einsum("in,ij,jn->n", shares, products, shares)
     sigma: Floats = np.sqrt(variance)
     around = np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius)
     if covariance.turn == 0.0 and around < wall.settings.largest_gap:
@@ -147,20 +150,16 @@ def _with_other_turns(wall: WallColumns, turn: float, variance: Floats, threads:
 def arm_sigma(wall: WallColumns) -> float:
     """Return the standard uncertainty that all radii of a wall share by the biases of the tool's arms, metres.
 
-    The mean over a turn takes all arms alike, and their biases are independent. It is 0 if the samples show no biases,
-    or the estimator is not near and far neighbours.
+    The mean over a turn takes all arms alike. It is 0 if the arms are not known, or the estimator is not near and far
+    neighbours.
     """
-    from helibore.wall.arm_biases import arm_numbers, bias_variance
-    from helibore.wall.covariance import covariance_of
+    from helibore.wall.arm_biases import remaining_products
 
     if wall.settings.estimator != "near-and-far" or wall.basis != "azimuthal":
         return 0.0
     depth, toolface, radius = wall.sample_columns[:3]
-    arm = arm_numbers((depth, toolface, radius), wall.arms)
-    if arm is None:
-        return 0.0
-    variance = bias_variance((depth, toolface, radius), arm, covariance_of(wall.settings.covariance or ()))
-    return float(np.sqrt(variance / (arm.max() + 1)))
+    remaining = remaining_products((depth, toolface, radius), wall.arms, wall.settings)
+    return 0.0 if remaining is None else float(np.sqrt(np.mean(remaining[1])))
 
 
 def near_and_far_factor(samples: Columns, settings: Settings) -> float:

@@ -32,6 +32,7 @@ from helibore.samples.helix import quad_room
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall.append_result import Change, VertexColumns
+from helibore.wall.arm_biases import without_biases
 from helibore.wall.estimates import find_kriging_range, in_depth_order
 from helibore.wall.interpolation import in_canonical_order, on_quads
 from helibore.wall.reads import WallReads
@@ -126,7 +127,8 @@ class Wall(WallReads):
         Parameters
         ----------
         depth, toolface, radius, time, arm
-            As in `Caliper`. Either all samples of a wall carry a time or none does.
+            As in `Caliper`. Either all samples of a wall carry a time or none does. Of samples with an arm, the wall
+            keeps the radius less the bias of the arm, if `Settings.arm_biases` has one.
 
         Returns
         -------
@@ -144,6 +146,9 @@ class Wall(WallReads):
         if arm is not None:
             copies: list[Any] = [None if of is None else of.copy() for of in columns]
             arms = Caliper(*copies, arm=arm)
+            if self._settings.arm_biases is not None:
+                arms = without_biases(arms, self._settings)
+                columns = arms.depth, arms.toolface, arms.radius, arms.time
         with self._growing:
             change = Change(*self._core.append(*columns))
             self._kept = KeptLogs()
@@ -299,7 +304,8 @@ class Wall(WallReads):
         if on not in ("quads", "vertices"):
             raise InputError("on", "must be 'quads' or 'vertices'", repr(on))
         with self._growing:
-            rows = in_canonical_order(self.samples, values, caliper)
+            appended = None if caliper is None else without_biases(caliper, self._settings)
+            rows = in_canonical_order(self.samples, values, appended)
             (interpolated,) = self._core.interpolate_samples([rows], self._threads)
         return on_quads(interpolated, self._settings.sectors) if on == "quads" else interpolated
 

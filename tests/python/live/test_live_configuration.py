@@ -122,6 +122,12 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (WALL + "x = 1\n" + SOURCE, "line 4: wall.x", "must be one of bit_diameter, sectors", None),
         (WALL + "pitch = 0\n" + SOURCE, "line 4: wall.pitch", "must be finite and not 0", "0"),
         (
+            WALL + "arm_biases = [1e-4, 0.0]\n" + SOURCE,
+            "line 4: wall.arm_biases",
+            "must be left out: live samples have no arm numbers",
+            None,
+        ),
+        (
             WALL + '[source.rig]\naddress = "host"\n',
             "line 4: source.rig.units",
             "is missing; it must be one of metric, fps",

@@ -339,6 +339,9 @@ class Configuration(LiveTables):
                 raise InputError("hole.name", error.rule, repr(self.hole.name)) from error
         if self.depth.outside(np.array(start)):
             raise InputError("wall.start_depth", self.depth.rule(), f"{start:g}")
+        if self.wall.get("arm_biases") is not None:
+            rule = "must be left out: live samples have no arm numbers"
+            raise InputError("wall.arm_biases", rule, setting="wall.arm_biases")
         try:
             Wall(**self.wall)
         except InputError as error:
