@@ -28,7 +28,7 @@ from helibore.logs.zones import Zone
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.hatching import HATCH_BYTES, hatch
-from helibore.plot.paper import FAINT, FONT, INK, LEAST, RULE, SMALL, USUAL, Sheet
+from helibore.plot.paper import FAINT, FONT, INK, LEAST, LINE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.samples.caliper import Basis
 from helibore.settings.wall_settings import Settings
@@ -62,6 +62,8 @@ CURVES: dict[str, dict[str, Any]] = {
     "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
 }
 """The lines of the diameters: C1 and C2 have one colour, D0 and D90 another; the second of each pair is dashed."""
+ON_PAPER: dict[str, Any] = {"zorder": 7, "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}}
+"""The look of a number over which no line is drawn, such as that of a top."""
 LEAST_LINE: dict[str, Any] = {"color": "#7d8894", "linewidth": 0.5}
 """The line of the least diameter, which fills blue to bit size."""
 
@@ -133,9 +135,8 @@ class DepthTrack:
         room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
             if stretch.top + room <= depth <= stretch.bottom - room:
-                axes.text(
-                    self._middle, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT
-                )
+                look: dict[str, Any] = {"ha": "center", "va": "center", "size": USUAL, "family": FONT, **ON_PAPER}
+                axes.text(self._middle, depth, stretch.lines.label(depth), **look)
                 if depth + 3.1 * room <= stretch.bottom:
                     self._draw_true_depth(axes, depth, depth + 2.1 * room)
         self._draw_ends(axes, stretch, room)
@@ -149,7 +150,7 @@ class DepthTrack:
                 axes.axhspan(*ends, 0.0, STRIP, facecolor=face, edgecolor=edge, linewidth=width)
                 long = (ends[1] - ends[0]) * stretch.height / (stretch.bottom - stretch.top)
                 word = zone.kind if long > 1.5 * len(zone.kind) + 1.0 else LETTERS[zone.kind] if long > 2.2 else ""
-                look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
+                look = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
                 look |= {"rotation": 90.0} if len(word) > 1 else {}
                 axes.text(0.5 * STRIP, sum(ends) / 2, word, color=ink, weight="bold", **look)
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.9, 0.94)):
@@ -159,7 +160,7 @@ class DepthTrack:
 
     def _draw_ends(self, axes: Axes, stretch: Stretch, room: float) -> None:
         """Write the depths of both ends of the stretch, unless another number is near."""
-        look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
+        look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT, **ON_PAPER}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
         if all(depth - stretch.top > 3.2 * room for depth in major):
             axes.text(self._middle, stretch.top + 0.6 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
@@ -172,6 +173,7 @@ class DepthTrack:
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
+            look |= ON_PAPER
             axes.text(self._middle, place, f"{true / self.unit.metres:.1f}", **look)
 
 
@@ -289,9 +291,28 @@ class CaliperTrack:
         self._draw_missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)
         depth_lines(axes, stretch)
+        drawn = [least, greatest, area, *(getattr(turns, name.lower()) / scale for name in self.curves)]
+        self._write_beyond(axes, turns.depth, -np.fmin.reduce(drawn), -1, stretch)
+        self._write_beyond(axes, turns.depth, np.fmax.reduce(drawn), 1, stretch)
         for ticks, right in self.ticks:
             _draw_ticks(axes, ticks, stretch, right)
         return axes
+
+    def _write_beyond(self, axes: Axes, depth: Floats, values: Floats, side: int, stretch: Stretch) -> None:
+        """Write values beyond an edge of the scale at that edge, with an arrow; of those close together, the farthest.
+
+        At the left edge, ``side`` is -1 and ``values`` are the diameters times -1.
+        """
+        limit = self.limits[side > 0]
+        line = LINE * (stretch.bottom - stretch.top) / stretch.height
+        rows = np.flatnonzero((values > side * limit) & (depth >= stretch.top) & (depth <= stretch.bottom))
+        look: dict[str, Any] = {"va": "center", "size": LEAST, "family": FONT, **ON_PAPER}
+        for group in np.split(rows, np.flatnonzero(np.diff(depth[rows]) > 2 * line) + 1) if rows.size else ():
+            at = group[np.argmax(values[group])]
+            number = f"{side * values[at]:.{0 if self.unit == 'mm' else 1}f}"
+            text, ha = (f"{number} →", "right") if side > 0 else (f"← {number}", "left")
+            place = min(max(float(depth[at]), stretch.top + 0.5 * line), stretch.bottom - 0.5 * line)
+            axes.text(limit, place, text, ha=ha, **look)
 
     def _draw_missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
         """Hatch turns that are mostly interpolated, and those without a radius; so, too, beyond the wall's ends."""

@@ -28,12 +28,13 @@ from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.hatching import HATCH, HATCH_BYTES, LINE, NO_DATA, NO_DATA_LINE, PALE, PALENESS, hatch
 from helibore.plot.html_report import page
+from helibore.plot.interval_tracks import tops_across
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
 from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence, shifts
 from helibore.plot.shading import View, shade
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
-from helibore.plot.tracks import HEAD, CaliperTrack, ImageTrack, Stretch
+from helibore.plot.tracks import HEAD, CaliperTrack, DepthTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
 
@@ -349,6 +350,40 @@ def test_a_caliper_track_is_grey_over_the_turns_without_a_radius_and_beyond_the_
     grey = (middle < 0) | ((middle > 0.4) & (middle < 0.5)) | (middle > 1)
     np.testing.assert_array_equal(shown[:, 0], grey)
     assert {tuple(one) for one in np.unique(pixels[grey][..., :3].reshape(-1, 3), axis=0)} == {NO_DATA, NO_DATA_LINE}
+
+
+def test_diameters_beyond_the_scale_of_the_caliper_are_written_at_its_edge() -> None:
+    """Of the values within two lines of text, the farthest is written, at its depth."""
+    depth = 0.05 + 0.1 * np.arange(100)
+    columns = {name: np.full(100, BIT) for name in ("area", "c1", "c2", "d0", "d90", "least", "greatest")}
+    columns["c1"][[20, 21, 60]] = 0.294, 0.299, 0.2649
+    columns["least"][40] = 0.1955
+    turns = Diameters(depth=depth, coverage=np.ones(100), **columns)
+    for unit, limits, texts_at in (
+        ("mm", (200.0, 260.0), [("← 196", 4.05), ("299 →", 2.15), ("265 →", 6.05)]),
+        ("in", (8.0, 10.0), [("← 7.7", 4.05), ("11.8 →", 2.15), ("10.4 →", 6.05)]),
+        ("mm", (190.0, 300.0), []),
+    ):
+        track = CaliperTrack(turns, "azimuthal", BIT, unit, limits, ("C1", "C2"))
+        axes = track.draw(Sheet(50, 140, 254), 0.0, Stretch(0.0, 10.0, 0.0, 140.0, Lines.of(10)))
+        found = [(text.get_text(), round(text.get_position()[1], 3)) for text in axes.texts]
+        assert found == texts_at
+        assert [text.get_position()[0] for text in axes.texts] == [limits["→" in text] for text, _ in texts_at]
+    without = CaliperTrack(turns, "azimuthal", BIT, "mm", (200.0, 260.0)).draw(
+        Sheet(50, 140, 254), 0.0, Stretch(0.0, 10.0, 0.0, 140.0, Lines.of(10))
+    )
+    assert [text.get_text() for text in without.texts] == ["← 196"], "C1 is not drawn"
+
+
+def test_the_line_of_a_top_does_not_strike_through_a_depth_number() -> None:
+    axes = DepthTrack(20).draw(Sheet(50, 140, 254), 0.0, Stretch(1003.5, 1007.5, 0.0, 140.0, Lines.of(20)))
+    tops_across(axes, [hb.Interval("Brae Fm", 1003.5, 1006.0)], Stretch(1003.5, 1007.5, 0.0, 140.0, Lines.of(20)))
+    (top,) = [line for line in axes.lines if list(line.get_ydata()) == [1006.0, 1006.0]]
+    (number,) = [text for text in axes.texts if text.get_text() == "1006.0"]
+    assert number.get_zorder() > top.get_zorder()
+    ground = number.get_bbox_patch()
+    assert ground is not None
+    assert ground.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
 
 
 def test_what_is_not_measured_is_hatched_as_on_the_page() -> None:
