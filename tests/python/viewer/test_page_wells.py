@@ -195,6 +195,29 @@ class TestPage:
             assert screen.touching("ink") == []
             screen.close()
 
+    def test_side_by_side_the_wells_have_one_scale_of_the_caliper_and_a_key(self, browser: Any) -> None:
+        toolface, depth = np.tile(np.arange(16) * 22.5, 160), 1000.0 + np.arange(16 * 160) / 160
+        walls = {}
+        for name, radius, wide in (("tight", 0.1, 0.1), ("wide", 0.1, 0.16)):
+            washout = np.where((depth > 1006) & (depth < 1009), wide, radius)
+            caliper = hb.Caliper(depth, toolface, washout)
+            walls[name] = hb.reconstruct(caliper, bit_diameter=0.2, sectors=16, pitch=0.1)
+        walls["tight"].picks.append(hb.Pick(kind="fracture", depth=1004.0, apparent_dip=10.0, toolface=0.0))
+        walls["wide"].picks.append(hb.Pick(kind="bed", depth=1004.0, apparent_dip=10.0, toolface=0.0))
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section", (1366, 768), drawn=False)
+            with screen.page.expect_download() as download:
+                screen.click("#svg")
+            root = ElementTree.parse(download.value.path()).getroot()
+            words = [text.text or "" for text in root.iter("{http://www.w3.org/2000/svg}text")]
+            assert words.count("Caliper [mm]") == 2, words
+            first, second = (words[at - 2 : at] for at, word in enumerate(words) if word == "bit 200")
+            assert first == second, "one diameter has one place"
+            assert float(second[1]) >= 320
+            key = [word for word in words if word in {"bed", "fracture", "fault", "breakout"} or "washout" in word]
+            assert key == ["W washout", "bed", "fracture"]
+            screen.close()
+
     def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
         rect, top, length = screen.evaluate(

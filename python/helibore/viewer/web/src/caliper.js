@@ -59,14 +59,21 @@ function widen({ min, max, c2 }, y, turns, row) {
 export function scaleFor(bit, { min, max }, { low, high }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit + 2 * Math.max(high, 0.02 * bit));
   const tightest = min.reduce((least, value) => (value < least ? value : least), bit + 2 * Math.min(low, -0.02 * bit));
-  const step = niceStep(((widest - tightest) / 6) * per);
-  const first = Math.floor((tightest * per) / step + 1e-9);
-  const last = Math.ceil((widest * per) / step - 1e-9);
+  return linesOf(tightest, widest, per);
+}
+
+// Return the lines of a scale from one diameter to another, in a unit of which `per` make a metre.
+/** @param {number} low @param {number} high @param {number} per */
+export function linesOf(low, high, per) {
+  const step = niceStep(((high - low) / 6) * per);
+  const first = Math.floor((low * per) / step + 1e-9);
+  const last = Math.ceil((high * per) / step - 1e-9);
   return Array.from({ length: last - first + 1 }, (_, i) => ((first + i) * step) / per);
 }
 
-/** @param {Ink} ink @param {Look} look */
-export function drawCaliper(ink, look) {
+// Draw the track; `scale` are the lines of its scale, else those of the wall alone.
+/** @param {Ink} ink @param {Look} look @param {number[]} [scale] */
+export function drawCaliper(ink, look, scale) {
   const { store, view, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.caliper;
@@ -74,7 +81,7 @@ export function drawCaliper(ink, look) {
   const found = profile(look);
   if (!rect.width) return found; // the track is not shown
   const { min, max, c2, seen, between } = found;
-  const grid = scaleFor(bit, found, look.over, LENGTHS[view.units].scale);
+  const grid = scale ?? scaleFor(bit, found, look.over, LENGTHS[view.units].scale);
   const [low, high] = [grid[0], grid[grid.length - 1]];
   /** @param {number} diameter */
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;

@@ -1,18 +1,19 @@
 // Several wells side by side, as in a correlation: each with depths, image and caliper; a bed that two neighbours have is a band
 // between them. Depths are measured depths, true depths, or count from a top, which then stands at one height in all wells.
 
-import { drawCaliper } from './caliper.js';
-import { drawDips } from './dip_ink.js';
+import { drawCaliper, linesOf, profile, scaleFor } from './caliper.js';
+import { drawDips, drawLegend } from './dip_ink.js';
 import { BOLD, depthAt, fitting, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { edges, line, sharp } from './strokes.js';
 import { intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawImageHead, drawOutside } from './tracks.js';
-import { showDepth, showLength, showQuantity } from './units.js';
+import { LENGTHS, showDepth, showLength, showQuantity } from './units.js';
 import { bed, drilled } from './wells_scene.js';
+import { LETTERS } from './zones.js';
 
 const NAME = 24; // pixels above the heads, for the names of the wells
 const AXIS = 76;
-const FOOT = 8;
+const FOOT = 22; // for the key
 const SHORTEST = 0.5; // metres
 const SLICE = 16; // pixels of an image between two true depths that are drawn at one scale
 const STEPS = 400; // of a table of true depths along a well
@@ -116,16 +117,39 @@ export class Section {
       return look;
     });
     if (wells.shown.fence) this.join(ink, body);
-    looks.forEach((look, i) => this.column(ink, look, this.columns[i], palette));
+    const { scale } = LENGTHS[view.units];
+    const ends = looks.filter(({ rects }) => rects.caliper.width).flatMap((look) => scaleFor(2 * look.store.bitRadius, profile(look), look.over, scale));
+    const lines = ends.length ? linesOf(Math.min(...ends), Math.max(...ends), scale) : undefined; // one scale for all wells
+    looks.forEach((look, i) => this.column(ink, look, this.columns[i], palette, lines));
     const left = wells.drawn.length - drawn.length;
     const level = wells.datum === TRUE ? drawn.filter((well) => trueDepths(well).level).map(({ name }) => name) : [];
     const notes = [...(left ? [`${left} well${left === 1 ? '' : 's'} without ${wells.datum === TRUE ? 'true depth (a survey from depth 0, or path.head, gives it)' : wells.datum} not shown`] : []), ...(level.length ? [`where ${level.join(', ')} rises, it is not shown`] : [])];
     if (notes.length) label(ink, notes.join('; '), rect.left + rect.width - 8, rect.height - 4, { colour: palette.soft, align: 'right', font: SMALL });
+    if (looks.length) this.key(ink, looks, { ...rect, width: rect.width - (notes.length ? ink.measureText(notes.join('; ')).width + 24 : 0) });
     return looks;
   }
 
-  /** @param {Ink} ink @param {Look} look @param {{ well: import('./well.js').Well, rects: Rects }} of @param {Palette} palette */
-  column(ink, look, { well, rects }, palette) {
+  // Write the key below the wells: the kinds of zones and the classes of picks that are in view.
+  /** @param {Ink} ink @param {Look[]} looks @param {Rect} rect */
+  key(ink, looks, { left, width, height }) {
+    const { wells } = this;
+    const inView = looks.flatMap(({ zones, view }) => zones.filter(({ start, stop }) => stop > view.top && start < view.bottom));
+    const words = Object.entries(LETTERS).filter(([name]) => inView.some(({ kind }) => kind === name)).map(([name, letter]) => `${letter} ${name}`).join('   ');
+    const y = height - 8;
+    ink.font = SMALL;
+    label(ink, words, left + 8, y, { colour: PALETTES[wells.view.theme].soft, font: SMALL });
+    if (!wells.shown.planes) return;
+    /** @template {{ depth: number }} One @param {(well: import('./well.js').Well) => One[]} of */
+    const seen = (of) => this.columns.flatMap(({ well }, i) => of(well).filter(({ depth }) => depth >= looks[i].view.top && depth <= looks[i].view.bottom));
+    const kept = seen(({ planes }) => planes);
+    const boxes = seen(({ picks }) => picks.filter(({ kind }) => kind === 'breakout'));
+    const none = { left, top: 0, width: 1, height: 1 };
+    const rects = { ...looks[0].rects, axis: { ...none, left: left + 8 + (words ? ink.measureText(words).width + 8 : 0), top: y - 11 }, image: none, pane: { ...none, left: left + width } };
+    drawLegend(ink, { ...looks[0], view: wells.viewOf(-1e6, 2e6), rects }, { kept, boxes, selected: null, current: null, open: false }, []);
+  }
+
+  /** @param {Ink} ink @param {Look} look @param {{ well: import('./well.js').Well, rects: Rects }} of @param {Palette} palette @param {number[]} [lines] of the scale of the caliper */
+  column(ink, look, { well, rects }, palette, lines) {
     const { axis, image, caliper } = rects;
     const looks = { ...look, images: [look], curtain: null };
     const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
@@ -137,7 +161,7 @@ export class Section {
     const moved = { ...looks, rects: Object.fromEntries(Object.entries(rects).map(([name, rect]) => [name, lower(rect)])), imageRect: lower(image) };
     drawAxis(ink, moved);
     drawImageHead(ink, moved);
-    drawCaliper(ink, moved);
+    drawCaliper(ink, moved, lines);
     drawOutside(ink, moved);
     if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, false);
     drawAxisLabels(ink, moved);
