@@ -643,6 +643,8 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
             screen.click("#dipPrint")
         assert scales == [100, 50], "12 m on 468 pixels are 1:97"
         screen.page.get_by_text("is saved as a PDF. Print well, below the log, prints it all.").wait_for()
+        on_paper = "The whole well on paper at 1:50, nearest to the scale in view, 1.97 ft long, with its picks (PDF)"
+        assert screen.get_attribute("#printAll", "title") == on_paper
         with screen.expect_download() as saved:
             screen.click("#printAll")
         assert saved.value.suggested_filename == "log-1000.0-1030.0.pdf"

@@ -61,7 +61,7 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         assert section.split() == ["Hole", "size,", "volume,", "washout", "not", "measured"]
         values = screen.readout()
         assert values["Radius"] == "not measured"
-        assert not {"Over bit radius", "Since first pass", "Nearest sample", "Samples used"} & set(values)
+        assert not {"Over bit radius", "Change", "Nearest sample", "Samples used"} & set(values)
         assert not any(screen.is_visible(control) for control in ("#shape", "#median"))
         assert values["GR"].endswith("gAPI")
         screen.close()

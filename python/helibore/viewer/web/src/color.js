@@ -51,7 +51,7 @@ export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [
 export function quantities(store) {
   const [low, high] = [NaN, NaN];
   const own = store.attributes.map(({ name, unit, log, color_map: map, rows, thin }, attribute) => (
-    { id: name, name: name === 'difference' ? 'this less earlier passes' : name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm', rows, thin }
+    { id: name, name: name === 'difference' ? 'Change since earlier passes' : name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm', rows, thin }
   ));
   const wall = [
     { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low, high, map: 'over-bit' },

@@ -161,7 +161,7 @@ export function readout({ store, view, path, quad }) {
       ['Radius', quad ? showLength(quad.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
       ...(state >> 12 ? [['Radius, 95 %', `± ${showLength(uncertaintyOf(state), units, units === 'mm' ? 1 : 2)}`]] : []),
       ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
-      ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
+      ['Change', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
       ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
       ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
     ]),
@@ -329,7 +329,7 @@ export function links({ view, store, contents, prints, meshes, renderer: { rects
   whole.set('start', String(store.span[0]));
   whole.set('stop', String(store.span[1]));
   byId('printAll').href = `api/print.pdf?${whole}&${look}`;
-  byId('printAll').title = `The whole well on paper at 1:${scale}, with its picks (PDF)`;
+  byId('printAll').title = `The whole well on paper at 1:${scale}, nearest to the scale in view, ${showDepth((store.span[1] - store.span[0]) / scale, view.units)} long, with its picks (PDF)`;
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }

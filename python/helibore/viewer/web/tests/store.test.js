@@ -140,6 +140,12 @@ test('values, missing ones included', () => {
   assert.equal(valueAt(made, find('nearest'), tile, 7), 20 * 1e-4);
 });
 
+test('what a wall differs by from earlier passes, or from its own first pass, is called a change', () => {
+  const names = (attributes) => quantities(store({ attributes })).map(({ name }) => name).filter((name) => /change/i.test(name));
+  assert.deepEqual(names([]), ['Change since first pass']);
+  assert.deepEqual(names([{ name: 'difference', unit: 'm', log: false, color_map: 'difference' }]), ['Change since earlier passes']);
+});
+
 test('the ends of the colours are the server’s, until a user or an address chooses others', () => {
   const made = quantities(store({ attributes: [{ name: 'GR', unit: 'gAPI', log: false, color_map: 'gamma' }] }));
   const find = (id) => made.find((q) => q.id === id);
