@@ -142,7 +142,7 @@ export class Section {
     /** @template {{ depth: number }} One @param {(well: import('./well.js').Well) => One[]} of */
     const seen = (of) => this.columns.flatMap(({ well }, i) => of(well).filter(({ depth }) => depth >= looks[i].view.top && depth <= looks[i].view.bottom));
     const kept = seen(({ planes }) => planes);
-    const boxes = seen(({ picks }) => picks.filter(({ kind }) => kind === 'breakout'));
+    const boxes = seen(({ picks }) => picks.filter((pick) => pick.kind === 'breakout'));
     const none = { left, top: 0, width: 1, height: 1 };
     const rects = { ...looks[0].rects, axis: { ...none, left: left + 8 + (words ? ink.measureText(words).width + 8 : 0), top: y - 11 }, image: none, pane: { ...none, left: left + width } };
     drawLegend(ink, { ...looks[0], view: wells.viewOf(-1e6, 2e6), rects }, { kept, boxes, selected: null, current: null, open: false }, []);
