@@ -37,7 +37,7 @@ def rules() -> dict[str, Any]:
     sizes = sorted({*SMALL_BITS, *LARGE_BITS})
     random = np.random.default_rng(0).bit_generator.state["state"]  # of the samples that are left out
     return {
-        "names": json.loads(NAMES_FILE.read_text("utf-8")),
+        "names": {name: value for name, value in json.loads(NAMES_FILE.read_text("utf-8")).items() if name != "about"},
         "units": units.table(),
         "roles": dict(ROLES),
         "spellings": sorted(SPELLINGS),

@@ -316,17 +316,46 @@ def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall
             f"([{across[0]} + 40, {across[1]} + 10])"
         )
         assert veil == bare == 0
+        marked = screen.evaluate(
+            "(({ path, renderer: { gpu, rects }, view }) => { const { cursor } = view;"
+            " const { centre, high, right } = path.at(cursor.depth);"
+            " const [c, s] = [Math.cos, Math.sin].map((f) => f((cursor.toolface * Math.PI) / 180));"
+            " const r = window.__wall.app.store.bitRadius * view.tubeFactor(window.__wall.app.store);"
+            " const spot = centre.map((x, i) => x + r * (c * high[i] + s * right[i]));"
+            " const [left, top] = gpu.project({ centre: spot }, rects.wall);"
+            " const { data } = document.getElementById('ink').getContext('2d')"
+            "   .getImageData(left - 12, top - 12, 24, 24);"
+            " return data.filter((x, i) => i % 4 === 3 && x > 200).length; })"
+            "(window.__wall.app)"
+        )
+        assert marked > 50, "the held cursor is marked on the wall"
         eye = "(({ path, renderer: { gpu }, view }) => gpu.camera.position.map((x, i) => x + gpu.origin[i]))"
         before = screen.evaluate(f"{eye}(window.__wall.app)")
+        top = screen.evaluate("window.__wall.app.view.top")
         screen.keyboard.press("Escape")
         screen.settle()
         assert not screen.evaluate("window.__wall.app.view.pinned")
         assert screen.evaluate(f"{eye}(window.__wall.app)") == pytest.approx(before, abs=1e-6), "Esc moves no eye"
+        assert screen.evaluate("window.__wall.app.view.top") == top, "and no section"
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert "fracture at 1018.00 m" in texts, "the nearest plane has the whole label"
         screen.evaluate("window.__wall.app.view.point({ depth: 1018, toolface: 20 }, true)")
         screen.settle()
         screen.keyboard.press("ArrowUp")
         assert screen.evaluate("[window.__wall.app.view.pinned, window.__wall.app.view.top > 1013]") == [False, True]
         screen.close()
+
+
+def test_the_letters_of_the_sides_are_whole_inside(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1008&sec=2&camera=down&tube=1", (1920, 1080))
+    for depth in np.arange(1007.5, 1008.5, 0.07):
+        screen.evaluate(f"window.__wall.app.view.show({depth - 1}, 2, window.__wall.app.store)")
+        screen.settle()
+        wall, labels = screen.evaluate("[window.__wall.app.renderer.rects.wall, document.getElementById('ink').labels]")
+        letters = [one for one in labels if one["text"] in "URDL" and one["left"] > wall["left"] and one["top"] > 80]
+        assert sorted(one["text"] for one in letters) == ["D", "L", "R", "U"], depth
+        assert all(one["bottom"] < wall["height"] - 20 for one in letters)
+    screen.close()
 
 
 def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_second_line(browser: Any) -> None:
@@ -341,18 +370,38 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
             pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=dip)
             viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
         first, second = ("{:.0f} / {:03.0f}".format(*pick.dip(path)) for pick in list(viewer.scene.picks)[:2])
-        for address in ("#md=1007&sec=10&camera=outside", "#md=1007&sec=8&camera=down"):
+        flatter = "tube × 5: traces on it look flatter;"
+        for address, shown, wide in (
+            ("#md=1007&sec=10&camera=outside&tube=5&at=1004_40", second, True),
+            ("#md=1007&sec=8&camera=down", "fracture at 1004.00 m", False),
+        ):
             screen = Screen(browser, viewer.url, address, (1366, 768))
-            screen.until(f"document.getElementById('ink').labels.some(({{ text }}) => text === '{second}')")
+            screen.until(f"document.getElementById('ink').labels.some(({{ text }}) => text === '{shown}')")
             screen.settle()
             texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
             assert f"Hugin   {first}" in texts, address
             assert any(text.endswith("dip / azimuth from grid north") for text in texts)
+            assert any(text.startswith(flatter) for text in texts) == wide
             wall_left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
             labels = [one for one in screen.evaluate("ink.labels") if one["left"] > wall_left]
             assert not [one for one in labels if one["text"] == "Hugin"], "not named twice in 3-D"
             assert screen.touching("ink") == []
             screen.close()
+
+
+def test_the_map_of_a_short_well_ends_at_tenths_of_a_metre(browser: Any) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(106.5, 109.5, 0.2), bit_diameter=0.2, sectors=16, pitch=0.1)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.store && document.getElementById('ink').labels.length > 5")
+        screen.settle()
+        ends, texts = screen.evaluate(
+            "(({ store, view }) => [store.span, document.getElementById('ink').labels.map(({ text }) => text)])"
+            "(window.__wall.app)"
+        )
+        assert {f"{end:.1f}" for end in ends} <= set(texts)
+        assert screen.touching("ink") == []
+        screen.close()
 
 
 def test_the_line_of_the_cursor_hides_no_tadpole(browser: Any) -> None:

@@ -26,16 +26,23 @@ export function placeInside(camera, gpu, look, head) {
 
 const BEFORE = 2.3; // radii of the drawn hole from the eye to the nearest point of the held plane: it then fills 3/4 of the picture
 
-// Return the depth of the eye: before the held plane, or before the cursor, if it is held in the section, else at the end of the section.
+// Return the depth of the eye: before the held plane, or before the cursor, if it is held in the section, else at the end of the
+// section, or where the eye was when the cursor was held no longer.
 /** @param {Pick<Look, 'view' | 'store' | 'held'>} of */
 export function eyeDepth({ view, store, held }) {
   const { cursor, pinned, top, bottom } = view;
-  const [end, back] = view.camera === 'down' ? [top, -1] : [bottom, 1];
-  if (!pinned || !cursor || cursor.depth < top || cursor.depth > bottom) return end;
+  const back = view.camera === 'down' ? -1 : 1;
+  /** @param {number} depth */
+  const within = (depth) => Math.min(bottom, Math.max(top, depth));
+  if (!pinned || !cursor || cursor.depth < top || cursor.depth > bottom) return within(endOf(view) + view.ahead);
   const radius = store.bitRadius * view.tubeFactor(store);
   const depth = held ? held.depth + back * riseOf(held) : cursor.depth;
-  return Math.min(bottom, Math.max(top, depth + back * BEFORE * radius));
+  return within(depth + back * BEFORE * radius);
 }
+
+// Return the end of the section that is behind the eye.
+/** @param {View} view */
+const endOf = ({ camera, top, bottom }) => (camera === 'down' ? top : bottom);
 
 /** @param {{ left: number, raised: number }} head @param {number} dx @param {number} dy */
 export function turnHead(head, dx, dy) {
@@ -48,17 +55,19 @@ export function turnHead(head, dx, dy) {
 const SPEED = 0.2; // of the section in a second
 export const STEP = 0.025; // of the section, by a key or a notch of the wheel
 
-// Hold the cursor no longer, and keep the eye where it is.
+// Hold the cursor no longer, and keep the eye and the section where they are.
 /** @param {App} app @param {Cursor | null} cursor */
 export function unhold(app, cursor) {
-  if (app.view.pinned && isInside(app.view)) fly(app, 0);
-  app.view.point(cursor, false);
+  const { view, renderer } = app;
+  if (view.pinned && isInside(view)) view.ahead = eyeDepth(renderer.look()) - endOf(view);
+  view.point(cursor, false);
 }
 
 // Move the eye, and the section with it, by `steps` in its direction of view; return whether it moved. The cursor is no longer held.
 /** @param {App} app @param {number} steps */
 export function fly({ view, store, renderer }, steps) {
-  const top = view.top + eyeDepth(renderer.look()) - (view.camera === 'down' ? view.top : view.bottom);
+  const top = view.top + eyeDepth(renderer.look()) - endOf(view);
+  view.ahead = 0;
   view.release();
   view.show(top + (view.camera === 'up' ? -1 : 1) * STEP * steps * view.length, view.length, store);
   return view.top !== top;

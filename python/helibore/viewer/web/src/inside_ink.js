@@ -1,12 +1,14 @@
 // The ink inside the hole: lines of planes and tops, rings at round depths, the letters of the hole's sides. What is nearer to the eye
 // is labelled first; what has no room for its label, or is too small on the picture, has none.
 
+import { BAR } from './color_bar.js';
 import { linesOf } from './dip_ink.js';
-import { wallPoint } from './dips.js';
+import { riseOf, wallPoint } from './dips.js';
 import { eyeDepth } from './inside.js';
 import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { anglesOf, drawLine, northOf, topsOf } from './plane_rings.js';
+import { turn } from './turns.js';
 import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
 
@@ -30,11 +32,13 @@ export function drawInsideInk(ink, look, gpu, planes) {
   /** @param {number} depth @param {() => void} write */
   const later = (depth, write) => sizeOf(depth) > smallest && texts.push({ depth, away: Math.abs(depth - eye), write });
   const tops = topsOf(look, planes);
-  for (const line of linesOf(ink, look, planes).sort((one, other) => Math.abs(other.plane.depth - eye) - Math.abs(one.plane.depth - eye))) {
+  const lines = linesOf(ink, look, planes).sort((one, other) => Math.abs(other.plane.depth - eye) - Math.abs(one.plane.depth - eye));
+  const way = view.camera === 'down' ? 1 : -1;
+  const first = lines.findLast(({ plane }) => (held ? plane.pick === held.pick : way * (plane.depth - eye) > riseOf(plane) && sizeOf(plane.depth) > smallest)); // the held plane, or the nearest that is seen whole
+  for (const line of lines) {
     const { plane, colour } = line;
     if (sizeOf(plane.depth) < FAINTEST) continue;
-    const isHeld = Boolean(held && plane.pick === held.pick);
-    ink.globalAlpha = isHeld ? 1 : Math.min(1, sizeOf(plane.depth) / 120);
+    ink.globalAlpha = line === first ? 1 : Math.min(1, sizeOf(plane.depth) / 120);
     const points = drawLine(ink, look, line, gpu);
     ink.globalAlpha = 1;
     const seen = points.filter((point) => point !== null);
@@ -42,7 +46,7 @@ export function drawInsideInk(ink, look, gpu, planes) {
     const name = tops.get(plane);
     const lettering = { colour: name ? palette.top : colour, halo: palette.paper, align: /** @type {const} */ ('center'), font: BOLD };
     const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
-    if (isHeld) {
+    if (line === first) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
       const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} to ${showAngle(plane.azimuth, 0)} from ${northOf(path)}` : `${showAngle(plane.apparent, 0)} apparent dip`;
       const words = [name, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
@@ -72,6 +76,28 @@ export function drawInsideInk(ink, look, gpu, planes) {
     lettered ||= letters(ink, look, depth, at, palette);
   }
   for (const { write } of texts.sort((one, other) => one.away - other.away)) write();
+  heldMark(ink, look, at, palette);
+}
+
+// Mark the held cursor on the wall: a small circle, or a ring around the hole if it has no toolface.
+/** @param {Ink} ink @param {Look} look @param {(depth: number, toolface: number, out?: number) => Pair | null} at @param {Palette} palette */
+function heldMark(ink, { view: { cursor, pinned, shape }, store }, at, palette) {
+  if (!pinned || !cursor) return;
+  const { depth, toolface } = cursor;
+  if (toolface === null) return ring(ink, (angle) => at(depth, angle), palette.cursor, 2);
+  const level = store.levels[0];
+  const k = Math.max(0, level.turnAt(depth));
+  const radii = turn(store, level, k);
+  const r = radii[Math.round(((toolface - level.toolface(k) + 720) % 360) * radii.length / 360) % radii.length];
+  const spot = at(depth, toolface, 1 + ((r || store.bitRadius) / store.bitRadius - 1) * (shape || 1));
+  if (!spot) return;
+  for (const [colour, wide] of /** @type {[string, number][]} */ ([[palette.panel, 5], [palette.cursor, 2.4]])) {
+    ink.beginPath();
+    ink.arc(...spot, 7, 0, 7);
+    ink.strokeStyle = colour;
+    ink.lineWidth = wide;
+    ink.stroke();
+  }
 }
 
 /** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {string} colour @param {number} [wide] */
@@ -94,9 +120,9 @@ function ring(ink, at, colour, wide = 1) {
 function letters(ink, { view, path, rects }, depth, at, palette) {
   const { letters: names } = CUTS[view.cut];
   const { toolface, known } = leftEdge(path, view.cut, depth);
-  const { left, width, top, height } = rects.wall;
+  const { left, width, height } = rects.wall;
   const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.8)) : [];
-  if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: top + 12, height: height - 24 }, ...place))) return false;
+  if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: HEAD + 12, height: height - HEAD - BAR - 24 }, ...place))) return false;
   places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true }));
   return true;
 }

@@ -54,7 +54,8 @@ export class DepthMap {
     edges(ink, { left: rect.left + 2.5, top: rect.top + 0.5, width: rect.width - 5, height: rect.height - 1 }, palette.line);
     label(ink, 'well', rect.left + 3, 11, { colour: palette.soft, font: SMALL });
     if (rect.width > 50) label(ink, `MD ${depthUnit(view.units)}`, rect.left + 3, 29, { colour: palette.soft, font: SMALL });
-    label(ink, depthNumber(a, view.units, 0), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
+    const digits = b - a < 20 ? 1 : 0; // a well of a few metres may end between two metres
+    label(ink, depthNumber(a, view.units, digits), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
     const size = Math.max(6, y(view.bottom) - y(view.top));
     const middle = (y(view.top) + y(view.bottom)) / 2;
     const upper = Math.max(rect.top + 1, middle - size / 2);
@@ -66,7 +67,7 @@ export class DepthMap {
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.ink);
     if (bitDepth !== null) pointer(ink, rect.left + rect.width - 8, y(bitDepth), 9, palette.ink);
-    label(ink, depthNumber(b, view.units, 0), rect.left + rect.width / 2, rect.top + rect.height + 10, { colour: palette.soft, align: 'center', font: SMALL });
+    label(ink, depthNumber(b, view.units, digits), rect.left + rect.width / 2, rect.top + rect.height + 10, { colour: palette.soft, align: 'center', font: SMALL });
   }
 
   // Make the picture of the well anew only when the overview, the colours or the ends changed.

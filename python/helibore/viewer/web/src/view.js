@@ -57,6 +57,7 @@ export class View extends Settings {
   /** @type {Cursor | null} */
   cursor = null;
   pinned = false;
+  ahead = 0; // metres from the end of the section to the eye inside, after a cursor was held there
   /** @type {Pick<View, 'top' | 'length' | 'follow'> | null} */
   desk = null; // the section before rig mode
   /** @type {number[]} */
@@ -207,6 +208,7 @@ export class View extends Settings {
 
   /** @param {number} depth @param {Store} store @param {boolean} [byHand] */
   centre(depth, store, byHand = true) {
+    this.ahead = 0;
     this.show(depth - this.length / 2, this.length, store, byHand);
   }
 

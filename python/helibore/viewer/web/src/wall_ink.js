@@ -35,9 +35,10 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
     compass(ink, gpu, rect, palette);
     if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
   }
-  const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
+  const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
+  const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
-  if (planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom)) words.push(anglesInWords(path));
+  if (picked) words.push(anglesInWords(path));
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
@@ -178,7 +179,7 @@ function cursorLabel(ink, look, gpu, beside, palette) {
   const frame = path.at(view.cursor.depth);
   cursorRing(ink, look, view.cursor.depth, gpu, palette);
   const at = gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
-  if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+  if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], [0, -16], [0, 16], [0, -32], [0, 32]] });
 }
 
 /** @param {Ink} ink @param {Rect} rect @param {Palette} palette */
@@ -192,15 +193,11 @@ function disc(ink, { left, height }, { paper }) {
 /** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */
 export function compass(ink, gpu, rect, palette) {
   const [x, y] = [rect.left + 44, rect.height - 46];
-  /** @type {Pair[]} */
-  const used = [];
-  for (const [name, direction] of ARROWS) {
-    const [dx, dy, towards] = gpu.facing(direction);
-    line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
-    const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);
-    used.push([dx, dy]);
-    const far = 26 + 10 / Math.hypot(dx, dy); // ten pixels past the tip, however short the arm is seen
-    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+  const arms = ARROWS.map(([name, direction]) => ({ name, at: gpu.facing(direction) }));
+  for (const { at: [dx, dy, towards] } of arms) line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
+  for (const { name, at: [dx, dy] } of arms) {
+    const far = 26 + 10 / (Math.hypot(dx, dy) || 1); // ten pixels past the tip, however short the arm is seen
+    label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, near: [[0, 0], [10, 0], [-10, 0], [0, 12], [0, -12], [16, 10], [-16, 10]] });
   }
 }
 

@@ -4,10 +4,12 @@ import { setImmediate } from 'node:timers';
 import { drawDips, drawLegend, tadpoles } from '../src/dip_ink.js';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys, bindTracks } from '../src/input.js';
+import { touch } from '../src/layout.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
 import { anglesInWords, anglesOf, edgeOf, topsOf } from '../src/plane_rings.js';
 import { Path } from '../src/path.js';
+import { compass } from '../src/wall_ink.js';
 
 const RAD = Math.PI / 180;
 const near = (got, wanted, by, what = '') => assert.ok(Math.abs(got - wanted) <= by, `${what} ${got}, not ${wanted}`);
@@ -510,4 +512,17 @@ test('poles of level planes are in the middle of the net, of steep ones opposite
   near(x, -1, 1e-12);
   near(y, 0, 1e-12);
   assert.deepEqual(rose([0, 14.9, 359, -1, 15]).filter(Boolean), [2, 1, 2]);
+});
+
+test('the corner axes have all three names in every attitude, none on another', () => {
+  for (let i = 0; i < 144; i++) {
+    const [turned, raised] = [(i % 24) * 15 * RAD, (Math.floor(i / 24) * 36 - 90) * RAD];
+    const sides = [[Math.cos(turned), Math.sin(turned), 0], [-Math.sin(turned) * Math.sin(raised), Math.cos(turned) * Math.sin(raised), Math.cos(raised)], [Math.sin(turned) * Math.cos(raised), -Math.cos(turned) * Math.cos(raised), Math.sin(raised)]];
+    const canvas = { labels: [], strokes: [] };
+    const measureText = (text) => ({ actualBoundingBoxLeft: 3.5 * text.length, actualBoundingBoxRight: 3.5 * text.length, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 });
+    const ink = new Proxy({ canvas, measureText }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
+    compass(ink, { facing: (direction) => sides.map((side) => side.reduce((sum, x, j) => sum + x * direction[j], 0)) }, { left: 0, height: 400 }, { ink: '#000000', paper: '#ffffff', soft: '#888888' });
+    assert.deepEqual(canvas.labels.map(({ text }) => text), ['N', 'E', 'up'], `turned ${turned / RAD}, raised ${raised / RAD}`);
+    for (const one of canvas.labels) assert.deepEqual(canvas.labels.filter((other) => touch(one, other)), [one], `turned ${turned / RAD}, raised ${raised / RAD}`);
+  }
 });
