@@ -262,7 +262,7 @@ Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, 
         const double gain = found.value - now.value;
         now = found;
         damping /= 5.0;
-        if (gain < enough) break;
+        if (gain < enough && (blocks_ > 1 || damping < 1e-2)) break;
         evaluate(now.at, count, nth, true);
     }
     return now;
@@ -413,7 +413,7 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
             if (value > start.value) start = {at, most, value, found.turn};
         }
     if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
-    Place fine = climb(start.at, most, limits, 1, 15);
+    Place fine = climb(start.at, most, limits, 1, 40);
     fine.turn = found.turn;
     return fine;
 }
@@ -434,7 +434,7 @@ Place Fit::best(double least_noise, double spacing) {
     const double r = radius_;
     Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise,
                    1e-12, 0.003, 0.006},
-                  {1e-2, 4.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
+                  {1e-2, 40.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
     for (std::size_t p = 0; p < most; ++p) {
         limits.low[p] = logarithm(limits.low[p]);
         limits.high[p] = logarithm(limits.high[p]);

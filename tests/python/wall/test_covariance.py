@@ -37,7 +37,7 @@ def test_no_other_parameters_near_those_found_are_likelier(shape: str, seed: int
     assert found is not None
     best = posterior(found, *samples)
     r = found.radius
-    low, high = (1e-12, 1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02), (1e-2, 1e-2, 4 * r, 60.0, 1e-2, 2.5 * r, 200.0)
+    low, high = (1e-12, 1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02), (1e-2, 1e-2, 40 * r, 60.0, 1e-2, 2.5 * r, 200.0)
     values = [found.radius, found.noise, *np.ravel(found.terms)]
     for i in range(1, 8):
         for factor in (0.8, 1.25):
@@ -45,6 +45,18 @@ def test_no_other_parameters_near_those_found_are_likelier(shape: str, seed: int
             other[i] *= factor
             if low[i - 1] <= other[i] <= high[i - 1]:
                 assert posterior(covariance_of(other), *samples) < best + 0.01, (i, factor)
+
+
+@pytest.mark.parametrize("seed", [1, 5, 6])
+def test_ledges_are_alike_all_around_the_hole(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    depth, toolface = np.arange(0.0, 20.0, 0.12), rng.uniform(0.0, 360.0, 167)
+    steps, ends = rng.uniform(0.0, 0.015, 60), np.cumsum(rng.uniform(0.3, 1.5, 60))
+    radius = 0.109 + steps[np.searchsorted(ends, depth)] + rng.normal(0.0, 5e-4, depth.size)
+    found = fit_covariance((depth, toolface, radius))
+    assert found is not None
+    opposite = found.at(np.array([180.0]), np.array([0.0]))[0]
+    assert opposite > 0.9 * found.variance
 
 
 @pytest.mark.parametrize("seed", [1, 4])
