@@ -36,14 +36,15 @@ double quantile_of(std::vector<double> values, double share) {
     return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
-// Returns the step of quantised radii: the least difference of two that differ; 0 if all are equal.
+// Returns the step of quantised radii, of which all differences are multiples; 0 if there is none.
 double step_of(std::span<const double> radius) {
-    std::vector<double> sorted(radius.begin(), radius.end());
+    std::vector<double> sorted(radius.begin(), radius.end()), gaps;
     std::ranges::sort(sorted);
-    double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < sorted.size(); ++i)
-        if (sorted[i] - sorted[i - 1] > rounding) least = std::min(least, sorted[i] - sorted[i - 1]);
-    return std::isfinite(least) ? least : 0.0;
+        if (sorted[i] - sorted[i - 1] > rounding) gaps.push_back(sorted[i] - sorted[i - 1]);
+    const double least = gaps.empty() ? 0.0 : std::ranges::min(gaps);
+    const auto multiple = [&](double gap) { return std::abs(std::remainder(gap, least)) <= 0.01 * least; };
+    return std::ranges::all_of(gaps, multiple) ? least : 0.0;
 }
 
 double mean_of(const std::vector<double>& values) {
@@ -88,7 +89,8 @@ class Errors {
     // from each of three values of tau^2.
     Found fit(const std::optional<Found>& near) const {
         const double median = std::max(quantile_of(squares_, 0.5), smallest) / median_square;
-        const double usual = logarithm(std::max(median, least_noise_)), least = logarithm(least_noise_);
+        const double usual = logarithm(std::max(median, least_noise_));
+        const double least = least_noise_ > 0.0 ? logarithm(least_noise_) : -std::numeric_limits<double>::infinity();
         const Four low{std::max(usual - 12.0, least), usual - 12.0, least_powers[0], least_powers[1]};
         const Four high{usual + 5.0, usual + 5.0, most_powers[0], most_powers[1]};
         std::vector<Four> starts;
@@ -195,7 +197,7 @@ std::optional<Calibration> calibrate(const SampleColumns& samples, const LeftOut
     std::array<std::vector<double>, 2> changes{logarithms(std::move(scatter)), {}};
     std::optional<Found> best, last;
     double stretch = 0.0;
-    const double step = step_of(samples.radius), least_noise = std::max(smallest, step * step / 12.0);
+    const double step = step_of(samples.radius), least_noise = step * step / 12.0;
     std::vector<double> ratios;
     for (const double of : stretches) {  // each fit starts from the result of the previous one
         std::vector<double> distance(along);

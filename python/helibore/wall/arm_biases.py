@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import FEWEST, Covariance, covariance_of, fit_covariance
@@ -91,7 +91,7 @@ def remaining_products(samples: Columns, arms: Caliper | None, settings: Setting
     arm = arm_numbers(samples, arms)
     if arm is None or arms is None or arms.arm is None:
         return None
-    subtracted = biases_of(settings, np.unique(arms.arm))
+    subtracted = biases_of(settings, distinct(arms.arm))
     measured = samples[0], samples[1], samples[2] + subtracted[arm]
     found, covariance = find_biases(measured, arm, covariance_of(settings.covariance or ()))
     off = found - subtracted

@@ -122,11 +122,18 @@ def likely_covariances(samples: Columns) -> list[tuple[Covariance, float]]:
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
-    steps = np.diff(np.sort(blocks[2]))
-    steps = steps[steps > _ROUNDING]
-    noise = min(float(steps.min()), _GREATEST_STEP) ** 2 / 48.0 if steps.size else 0.0
+    noise = min(_step_of(blocks[2]), _GREATEST_STEP) ** 2 / 48.0
     found = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
     return [(covariance_of(values), share) for values, share in found]
+
+
+def _step_of(radius: Floats) -> float:
+    """Return the step of quantised radii, of which all differences are multiples; 0 if there is none."""
+    gaps = np.diff(np.sort(radius))
+    gaps = gaps[gaps > _ROUNDING]
+    step = float(gaps.min(initial=np.inf))
+    shares = gaps / step
+    return step if gaps.size and np.abs(shares - np.round(shares)).max() <= 0.01 else 0.0
 
 
 def shows_around(samples: Columns, covariance: Covariance) -> bool:
