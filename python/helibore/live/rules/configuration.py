@@ -282,6 +282,8 @@ class Configuration(LiveTables):
         """Return as JSON the settings that affect the wall (not those of transport, journal, alarms ...)."""
         tables = {name: asdict(getattr(self, name)) for name in ("passes", "path", "depth", "samples")}
         meaning: dict[str, Any] = {"wall": self.wall, "layers": self.layers, **tables}
+        if self.path.north is None:  # older journals have no such setting
+            del tables["path"]["north"]
         if self.hole != HoleTable():  # otherwise as journals that were begun before the table existed
             meaning["hole"] = asdict(self.hole)
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
