@@ -53,10 +53,10 @@ AT_REST = """(patience) => new Promise((done, failed) => {
   let before = null;
   let quiet = 0;
   const look = () => {
-    const { renderer: { scheduled, sharpening, loading }, figures: { pending } } = app;
-    const now = JSON.stringify([window.__wall.stats, scheduled, pending, Boolean(sharpening)]);
+    const { renderer: { sharpening, loading }, figures: { pending } } = app;
+    const now = JSON.stringify([window.__wall.stats, pending, Boolean(sharpening)]);
     if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.repaint(); }
-    quiet = now === before && !scheduled && !pending && !sharpening && !loading ? quiet + 1 : 0;
+    quiet = now === before && !pending && !sharpening && !loading ? quiet + 1 : 0;
     before = now;
     if (quiet >= 4) done(true);
     else if (performance.now() > end) failed(new Error(`never at rest: ${now}`));

@@ -90,7 +90,7 @@ def test_a_hidden_page_catches_up_at_once() -> None:
     with hb.view(wall, path=curved_path()) as viewer, Tabs(viewer.url) as page:
         until(lambda: page.evaluate("Boolean(window.__wall?.ready)"))
         until(lambda: page.evaluate("window.__wall.app.figures.summary !== null"))
-        until(lambda: page.evaluate("!window.__wall.app.figures.pending && !window.__wall.app.renderer.scheduled"))
+        until(lambda: page.evaluate("!window.__wall.app.figures.pending"))
         page.evaluate(
             "(() => { window.asked = 0; const ask = window.requestAnimationFrame.bind(window);"
             " window.requestAnimationFrame = (draw) => { window.asked++; return ask(draw); }; })()"
@@ -113,7 +113,7 @@ def test_a_hidden_page_catches_up_at_once() -> None:
         assert page.evaluate("window.__wall.stats.frames") == before["frames"], "nothing is drawn for nobody"
         assert page.evaluate("window.asked") == 1, "one frame waits, however much has arrived"
         page.show()
-        until(lambda: page.evaluate("!window.__wall.app.renderer.scheduled"))
+        until(lambda: page.evaluate("window.__wall.stats.frames") > before["frames"])
         caught = page.evaluate(f"({CAUGHT_UP})()")
         # One; another for the row of the alarm of a new zone; and what glows fades, up to five times a second.
         assert 1 <= caught["frames"] - before["frames"] < 20, "not one for each of the 60 appends"
