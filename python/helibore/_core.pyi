@@ -60,7 +60,6 @@ def fit_covariance(
     samples: tuple[Floats, Floats, Floats],
     block_size: int,
     radius: float,
-    least_noise: float,
     spacing: float,
     instruction_set: str = "automatic",
 ) -> list[tuple[list[float], float]]: ...

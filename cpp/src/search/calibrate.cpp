@@ -10,6 +10,7 @@
 #include "base/exponential.hpp"
 #include "base/messages.hpp"
 #include "helibore/estimates.hpp"
+#include "samples/step.hpp"
 
 namespace helibore {
 namespace {
@@ -18,7 +19,6 @@ constexpr double freedom = 5.0;
 constexpr double median_square = 0.455;  // of a normal deviate with variance 1
 constexpr double enough = 0.1;           // a smaller difference of the log-likelihood does not count
 constexpr double smallest = 1e-18;       // square metres; smaller squares are rounding errors
-constexpr double rounding = 1e-9;        // metres; a smaller difference of radii is a rounding error
 constexpr double near_depth = 0.15;      // metres: as far as a measured vertex may be from its sample
 constexpr std::array stretches{1.0, 16.0, 256.0};
 // With powers beyond these, noise would count as shape in a near-round hole.
@@ -34,17 +34,6 @@ double quantile_of(std::vector<double> values, double share) {
     const auto below = static_cast<std::size_t>(place);
     const std::size_t above = std::min(below + 1, values.size() - 1);
     return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
-// Returns the step of quantised radii, of which all differences are multiples; 0 if there is none.
-double step_of(std::span<const double> radius) {
-    std::vector<double> sorted(radius.begin(), radius.end()), gaps;
-    std::ranges::sort(sorted);
-    for (std::size_t i = 1; i < sorted.size(); ++i)
-        if (sorted[i] - sorted[i - 1] > rounding) gaps.push_back(sorted[i] - sorted[i - 1]);
-    const double least = gaps.empty() ? 0.0 : std::ranges::min(gaps);
-    const auto multiple = [&](double gap) { return std::abs(std::remainder(gap, least)) <= 0.01 * least; };
-    return std::ranges::all_of(gaps, multiple) ? least : 0.0;
 }
 
 double mean_of(const std::vector<double>& values) {

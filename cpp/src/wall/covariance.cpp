@@ -17,6 +17,7 @@
 #include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "samples/helix.hpp"
+#include "samples/step.hpp"
 #include "search/kernel/instruction_set.hpp"
 
 namespace helibore {
@@ -86,7 +87,7 @@ struct Turns {
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
-    Place best(double least_noise, double spacing);
+    Place best(double spacing);
     // After best(), if that found no turn: it, and the places with turns that are about as likely, by half of the
     // blocks.
     const std::vector<Place>& likely() const { return likely_; }
@@ -105,7 +106,7 @@ class Fit {
     void turn_by(double turn);
 
     kernel::BlockLikelihood likelihood_;
-    double radius_;
+    double radius_, least_noise_;
     std::size_t n_, size_, blocks_;
     std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
     std::vector<double> toolface_;
@@ -118,6 +119,7 @@ class Fit {
 Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level)
     : likelihood_(kernel::likelihood_for(level)),
       radius_(radius),
+      least_noise_(std::clamp(std::pow(step_of(samples.radius), 2) / 48.0, 1e-12, 1e-3)),
       n_(block_size),
       size_((block_size + lanes - 1) / lanes * lanes),
       blocks_(samples.depth.size() / block_size) {
@@ -430,9 +432,9 @@ Place Fit::likeliest_start(const Limits& limits) {
     return best;
 }
 
-Place Fit::best(double least_noise, double spacing) {
+Place Fit::best(double spacing) {
     const double r = radius_;
-    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise,
+    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
                    1e-12, 0.003, 0.006},
                   {1e-2, 40.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
     for (std::size_t p = 0; p < most; ++p) {
@@ -447,11 +449,10 @@ Place Fit::best(double least_noise, double spacing) {
 }  // namespace
 
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
-                                             double least_noise, double spacing, InstructionSet instruction_set) {
+                                             double spacing, InstructionSet instruction_set) {
     const StandardArithmetic standard;
     require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
-    require(least_noise >= 1e-12 && least_noise <= 1e-2, "least_noise", least_noise, "must lie in 1e-12 to 0.01 m^2");
     require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
     const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
     const SampleColumns from{columns[0], columns[1], columns[2]};
@@ -459,7 +460,7 @@ std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
-    std::vector<Place> places{fit.best(least_noise, spacing)};
+    std::vector<Place> places{fit.best(spacing)};
     if (fit.likely().size() > 1) places.insert(places.end(), fit.likely().begin() + 1, fit.likely().end());
     std::vector<LikelyCovariance> found;
     double shares = 0.0;

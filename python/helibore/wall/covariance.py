@@ -39,9 +39,6 @@ _ONE_BLOCK = 300
 _BLOCKS, _BLOCK_SIZE = 12, 64
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
 _ROOT3 = float(np.sqrt(3.0))
-_LEAST_NOISE = 1e-12  # m^2
-_GREATEST_STEP = 0.1  # metres, of quantised radii
-_ROUNDING = 1e-9  # metres; a smaller difference of radii is a rounding error
 _PLACES = 100
 _SAME_ARMS = 0.7  # mean cosine, as in `covariance.cpp`
 _SEEDING = 100_000  # samples
@@ -122,18 +119,8 @@ def likely_covariances(samples: Columns) -> list[tuple[Covariance, float]]:
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
-    noise = min(_step_of(blocks[2]), _GREATEST_STEP) ** 2 / 48.0
-    found = _core.fit_covariance(blocks, rows.shape[1], middle, max(_LEAST_NOISE, noise), spacing)
+    found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing)
     return [(covariance_of(values), share) for values, share in found]
-
-
-def _step_of(radius: Floats) -> float:
-    """Return the step of quantised radii, of which all differences are multiples; 0 if there is none."""
-    gaps = np.diff(np.sort(radius))
-    gaps = gaps[gaps > _ROUNDING]
-    step = float(gaps.min(initial=np.inf))
-    shares = gaps / step
-    return step if gaps.size and np.abs(shares - np.round(shares)).max() <= 0.01 else 0.0
 
 
 def shows_around(samples: Columns, covariance: Covariance) -> bool:
