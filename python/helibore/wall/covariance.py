@@ -32,8 +32,6 @@ FEWEST = 40
 MOST_TERMS = 3
 FARTHEST_ALIKE = 15.0
 """Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
-OTHER_TURN = 3.0
-"""Degrees a metre: shapes with less different turns are one; also in `covariance.cpp`."""
 _ONE_BLOCK = 300
 """So many samples are one block: their likelihood is exact, and costs less than that of small blocks."""
 _BLOCKS, _BLOCK_SIZE = 12, 64

@@ -109,10 +109,9 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     from helibore.wall.covariance import covariance_of, shows_around
 
     covariance = covariance_of(wall.settings.covariance or ())
-
     variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
-    if leaves_most_unmeasured(samples, wall.settings):
-        variance = _with_other_turns(wall, covariance.turn, variance, threads)
+    if covariance.turn == 0.0 and leaves_most_unmeasured(samples, wall.settings):
+        variance = _with_other_turns(wall, variance, threads)
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
         arm, products = remaining
@@ -126,17 +125,17 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     return sigma
 
 
-def _with_other_turns(wall: WallColumns, turn: float, variance: Floats, threads: int) -> Floats:
-    """Return the variance of the radii about those of the wall if the shape may as well turn otherwise along the hole.
+def _with_other_turns(wall: WallColumns, variance: Floats, threads: int) -> Floats:
+    """Return the variance of the radii about those of a wall without a turn if the shape may as well turn.
 
-    Each covariance that the samples leave likely gives a wall; those that turn as this wall does count as this wall.
+    Each turn that the samples leave likely gives a wall.
     """
-    from helibore.wall.covariance import OTHER_TURN, likely_covariances
+    from helibore.wall.covariance import likely_covariances
 
     depth, toolface, radius = wall.sample_columns[:3]
     total, left = np.zeros(variance.size), 1.0
     for covariance, share in likely_covariances((depth, toolface, radius)):
-        if abs(covariance.turn - turn) < OTHER_TURN:
+        if covariance.turn == 0.0:
             continue
         settings = replace(wall.settings, covariance=covariance.values, sigma=True, direct=False)
         other = _core.Wall(vars(settings), threads, "automatic")
