@@ -120,6 +120,4 @@ def test_bad_blocks_are_refused(change: dict[str, Any], text: str) -> None:
     depth, toolface, radius = blocks(3, 20)
     depth[0] = given["first"]
     with pytest.raises(hb.InputError, match=exactly(text)):
-        _core.fit_covariance(
-            (depth, toolface, radius), *(given[name] for name in ("size", "radius", "spacing"))
-        )
+        _core.fit_covariance((depth, toolface, radius), *(given[name] for name in ("size", "radius", "spacing")))
