@@ -10,6 +10,9 @@
 //     breakout     C1 - C2 >= limit, two high lobes    opposite: 140 degrees or more between them
 //     key seat     one high lobe                       at most 150 degrees wide
 //
+// A lobe of a turn counts if the wall stays about as high at its toolface over the least length of a zone. An open
+// fracture crosses the hole and is no zone: at one toolface it is as long as its aperture / cos(dip).
+//
 // The sections of a few turns of each run are then compared with a library of sections (kinds.hpp): a run whose kind is
 // unlikely, and that may be gauge, is no zone. Where turns have few samples over 0.3 m or more, their kind is the one
 // that the chain of kinds_along finds.

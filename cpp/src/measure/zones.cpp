@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "base/arithmetic.hpp"
@@ -31,7 +32,8 @@ constexpr double opposite = 140.0;     // least degrees between opposite lobes
 constexpr double widest_key_seat = 150.0;                // degrees
 constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
 constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
-constexpr double rounding = 1e-9;                        // metres
+constexpr double long_share = 0.65;  // of a lobe's height, as a mean over the least length of a zone
+constexpr double rounding = 1e-9;    // metres
 
 struct Heights {
     std::vector<double> lower, higher;  // of the lobe opposite to the highest, 0 without one, and of the highest
@@ -110,9 +112,37 @@ class Finder {
             }
             const auto& [first, second] = turns_.lobes;
             const double apart = std::abs(wrap_difference(first.toolface[turn] - second.toolface[turn]));
-            lower = apart >= opposite ? second.height[turn] : 0.0;
-            higher = std::isnan(first.height[turn]) ? 0.0 : first.height[turn];
+            lower = apart >= opposite && is_long(turn, second) ? second.height[turn] : 0.0;
+            higher = is_long(turn, first) ? first.height[turn] : 0.0;
         }
+    }
+
+    // Whether the wall is about as high as in a lobe of a turn along the least length of a zone at the lobe's toolface.
+    // An open fracture crosses the hole: there it is as high over its aperture only.
+    bool is_long(std::size_t turn, const MeasuredTurns::Lobe& lobe) const {
+        const double top = lobe.height[turn], far = turns_.unworn_diameter[turn] / 2.0 + top;
+        if (std::isnan(far)) return false;
+        const SineCosine direction = sine_cosine(lobe.toolface[turn]);  // seen from the unworn circle
+        const double toolface =
+            arc_tangent(turns_.unworn_90[turn] + far * direction.sine, turns_.unworn_0[turn] + far * direction.cosine) /
+            degree;
+        const auto k = static_cast<std::size_t>(nearest_whole(wrap_toolface(toolface - start_toolface_) *
+                                                              (static_cast<double>(sectors_) / 360.0))) %
+                       sectors_;
+        const auto length = static_cast<std::size_t>(
+            nearest_whole(std::clamp(criteria_.least_length / height_, 1.0, static_cast<double>(count_))));
+        const std::size_t low = turn + 1 - std::min(turn + 1, length), high = std::min(turn + length, count_);
+        std::vector<double> heights(high - low);
+        for (std::size_t i = low; i < high; ++i) {
+            const double x = vertices_.radius[i * sectors_ + k] * directions_[k].cosine - turns_.unworn_0[i],
+                         y = vertices_.radius[i * sectors_ + k] * directions_[k].sine - turns_.unworn_90[i];
+            const double height = std::sqrt(x * x + y * y) - turns_.unworn_diameter[i] / 2.0;
+            heights[i - low] = std::isnan(height) ? 0.0 : std::clamp(height, 0.0, top);
+        }
+        const double least = long_share * top * static_cast<double>(length);
+        for (std::size_t i = 0; i + length <= heights.size(); ++i)
+            if (std::accumulate(&heights[i], &heights[i] + length, 0.0) >= least) return true;
+        return false;
     }
 
     // Returns the kind of each turn without regard to its neighbours, but to the chain where turns have few samples.
@@ -123,7 +153,11 @@ class Finder {
         for (std::size_t turn = 0; turn < count_; ++turn) {
             if (sparse_[turn] == 0.0) continue;
             kinds[turn] = likeliest(turn);
-            if (std::isnan(turns_.lobes[0].height[turn])) heights_.higher[turn] = turns_.c1[turn] - bit_;
+            if (const double height = turns_.lobes[0].height[turn]; std::isnan(height)) {
+                heights_.higher[turn] = turns_.c1[turn] - bit_;
+            } else if (!arms_) {
+                heights_.higher[turn] = height;
+            }
         }
         return kinds;
     }

@@ -11,8 +11,10 @@ whose rule fits:
 
 Lobes and their heights are those over the unworn circle (`Logs.lobe1_height`). Two lobes are opposite if the angle
 between them is 140 degrees or more. Both are high if twice the height of the lower one is at least `Criteria.symmetry`
-times the sum of both heights. For a tool with few arms C1 and C2 are diameters of arms, the heights are those of the
-two ends of C1 over the circle of C2, and its centre is that of the tool (``arms``).
+times the sum of both heights. A lobe counts if the wall is about as high (0.65 of it in the mean) at its toolface over
+the least length of a zone: an open fracture crosses the hole, so it is no zone. For a tool with few arms C1 and C2 are
+diameters of arms, the heights are those of the two ends of C1 over the circle of C2, and its centre is that of the tool
+(``arms``).
 
 These are the usual four-arm criteria (JewelSuite's defaults; the undergauge limit is helibore's), applied to the whole
 section instead of four pads. The core (``zones.hpp``) applies them.

@@ -21,7 +21,7 @@ from helibore.logs.zones import KINDS, classify
 BIT, PARTS = 0.2159, 32
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 TOOLS = ("rotating", "upwards", "X-Y", "four arms", "telemetry", "turning stops")
-SHAPES = ("breakout", "key seat", "washout", "undergauge", "ledge")
+SHAPES = ("breakout", "key seat", "washout", "undergauge", "ledge", "fracture")
 
 
 def radius_of(shape: str, seed: int, depth: Floats, toolface: Floats) -> Floats:
@@ -40,7 +40,9 @@ def radius_of(shape: str, seed: int, depth: Floats, toolface: Floats) -> Floats:
         "washout": np.full(depth.size, high),
         "undergauge": np.full(depth.size, -0.008),
         "ledge": 0.006 * np.cos(np.radians(toolface - axis)),
+        "fracture": high * (np.abs(depth - middle - 0.25 * np.cos(np.radians(toolface - axis))) < 0.03),
     }[shape]
+    worn = 1.0 if shape == "fracture" else worn
     return BIT / 2 + 0.004 * np.cos(np.radians(toolface - 70)) + worn * over + rng.normal(0, 0.0005, depth.size)
 
 
@@ -99,12 +101,30 @@ class Reference:
             half, off = (of.c1[turn] - of.c2[turn]) / 2, of.uneven[turn] / 2
             return half - off, half + off
         apart = abs((of.lobe1_toolface[turn] - of.lobe2_toolface[turn] + 180) % 360 - 180)
-        return (of.lobe2_height[turn] if apart >= 140 else 0.0), float(np.nan_to_num(of.lobe1_height[turn]))
+        lower = self.long_height(turn, of.lobe2_toolface[turn], of.lobe2_height[turn])
+        return (lower if apart >= 140 else 0.0), self.long_height(turn, of.lobe1_toolface[turn], of.lobe1_height[turn])
+
+    def long_height(self, turn: int, toolface: float, high: float) -> float:
+        """Return the height of a lobe; 0 unless the wall at its toolface is as high over the least length of a zone."""
+        if math.isnan(high):
+            return 0.0
+        of = self.logs
+        centre, radius = of.unworn_0 + 1j * of.unworn_90, of.unworn_diameter / 2
+        top = centre[turn] + (radius[turn] + high) * cmath.rect(1, math.radians(toolface))
+        away = (self.toolfaces - math.degrees(cmath.phase(top)) + 180) % 360 - 180
+        k = int(np.abs(away).argmin())
+        place = self.radius[:, k] * cmath.rect(1, math.radians(self.toolfaces[k]))
+        height = np.clip(np.nan_to_num(abs(place - centre) - radius), 0, high)
+        turns = max(round(self.criteria.least_length / self.pitch), 1)
+        starts = range(max(turn - turns + 1, 0), min(turn, len(of) - turns) + 1)
+        return float(high) if any(height[i : i + turns].mean() >= 0.65 * high for i in starts) else 0.0
 
     def height(self, turn: int) -> float:
         """Return the height by which a key seat is measured: no lobe may stand over an interpolated circle."""
         of, sparse = self.logs, self.along is not None and self.sparse[turn]
-        return of.c1[turn] - BIT if sparse and math.isnan(of.lobe1_height[turn]) else self.heights(turn)[1]
+        if sparse and math.isnan(of.lobe1_height[turn]):
+            return of.c1[turn] - BIT
+        return of.lobe1_height[turn] if sparse and not self.arms else self.heights(turn)[1]
 
     def kind(self, turn: int) -> int:
         of, criteria = self.logs, self.criteria

@@ -71,6 +71,43 @@ def test_every_kind_is_told_and_placed() -> None:
     assert min(zone.confidence for zone in found.zones) > 0.8
 
 
+def logged(grown: Any, per_turn: float = 32, noise: float = 0.001, pitch: float = 0.05, length: float = 6) -> hb.Wall:
+    """Return the wall of a hole in gauge whose readings are longer by ``grown`` of depth and toolface."""
+    rng = np.random.default_rng(7)
+    turns = np.arange(round(length / pitch * per_turn)) / per_turn
+    depth, toolface = turns * pitch, turns * 360
+    radius = BIT / 2 + grown(depth, toolface) + 0.006 * np.cos(np.radians(toolface - 40))
+    return hb.reconstruct(hb.Caliper(depth, toolface, radius + rng.normal(0, noise, depth.size)), bit_diameter=BIT)
+
+
+@pytest.mark.parametrize("noise", [0.0005, 0.002])
+@pytest.mark.parametrize("per_turn", [16, 64])
+@pytest.mark.parametrize(("aperture", "dip"), [(0.005, 65), (0.015, 65), (0.030, 50), (0.030, 65), (0.015, 73)])
+def test_an_open_fracture_is_no_zone(aperture: float, dip: float, per_turn: int, noise: float) -> None:
+    def grown(depth: Any, toolface: Any) -> Any:
+        trace = 3 + BIT / 2 * np.tan(np.radians(dip)) * np.cos(np.radians(toolface - 100))
+        return 0.02 * (np.abs(depth - trace) * np.cos(np.radians(dip)) < aperture / 2)
+
+    assert logged(grown, per_turn, noise).zones().zones == ()
+
+
+@pytest.mark.parametrize("turn", [0, 6])  # degrees a metre
+@pytest.mark.parametrize("length", [0.5, 1.0, 4.5])
+def test_a_key_seat_of_any_length_is_one_though_it_wanders(length: float, turn: float) -> None:
+    def grown(depth: Any, toolface: Any) -> Any:
+        away = (toolface - 100 - turn * (depth - 3) + 180) % 360 - 180
+        return 0.02 * np.maximum(1 - (away / 25) ** 2, 0) * (np.abs(depth - 3) < length / 2)
+
+    (zone,) = logged(grown).zones().zones
+    assert (zone.kind, zone.length) == ("key seat", pytest.approx(length, abs=0.25))
+
+
+def test_noise_makes_no_key_seat_that_is_sure() -> None:
+    rough = logged(lambda depth, _: 0 * depth, 16.3, 0.005, 0.068, 120).zones()
+    assert np.nanmax(rough.logs.lobe1_height) > 0.009  # higher than a key seat must be
+    assert not any(zone.sure for zone in rough.of("key seat"))
+
+
 @pytest.mark.parametrize("pitch", [0.1, -0.1])
 def test_a_zone_has_the_depth_of_its_worst_turn_and_its_measured_share(pitch: float) -> None:
     wall = wall_of((10, GAUGE), (3, WASHED), (1, WASHED + 0.001), (5, WASHED), (10, GAUGE),
