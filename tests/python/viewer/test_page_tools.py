@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
 from patience import PATIENCE
 from screen import NEEDS_BROWSER, Screen
 
@@ -288,6 +288,31 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     screen.keyboard.press("i")
     screen.until("document.getElementById('camera').value === 'straight'")
     screen.close()
+
+
+def test_a_deep_groove_is_dark_from_inside_and_its_lip_is_not_paler_than_the_wall(browser: Any) -> None:
+    """Of one colour everywhere: what differs is light. The lamp shines straight on the far side of the groove."""
+    wall = MadeWall(40_000, pitch=0.01)
+    wall.radius = np.where(
+        np.abs(wall.depth - 1001.5) < 0.012, BIT / 2 + 0.045, BIT / 2 + 1e-4 * np.sin(40 * wall.depth)
+    )
+    with hb.view(wall, path=curved_path()) as viewer:
+        address = "#md=1002&sec=2&camera=down&tube=1&quantity=over&range=-9_9&at=1001.5"
+        screen = Screen(browser, viewer.url, address, (1366, 768))
+        screen.settle()
+        light = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+        places = (
+            "(({ path, store, renderer: { gpu, rects: { wall } } }, depth) => {"
+            " const { centre, high } = path.at(depth);"
+            " const [x, y] = gpu.project({ centre: centre.map((one, i) => one - store.bitRadius * high[i]) }, wall);"
+            " return [x - wall.left, y - wall.top]; })(window.__wall.app, %f)"
+        )
+        (x, above), (_, rim), (_, below) = (screen.evaluate(places % depth) for depth in (1001.40, 1001.48, 1001.6))
+        smooth = light[round(rim) + 6 : round(above), round(x)].max()
+        groove = light[round(below) : round(rim), round(x)]
+        assert groove.min() < 0.5 * smooth
+        assert groove.max() < 1.25 * smooth, "a wall that faces the lamp is at most so much lighter"
+        screen.close()
 
 
 def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall(browser: Any) -> None:

@@ -203,7 +203,9 @@ export class Gpu {
     if (program === 'pick') this.drawn = this.drawn.slice(0, MOST_PICKED);
     const projectionMatrix = this.camera.projection;
     const more = inside && program === 'wall' ? loaded() : undefined;
-    if (more) this.context.add('inside', [shaders.WALL_VERTEX, shaders.INSIDE + more.INSIDE_FRAGMENT]);
+    const fine = this.share === 1;
+    const name = more ? `inside, ${fine ? 'fine' : 'coarse'}` : program; // a branch that is not taken costs time in software
+    if (more) this.context.add(name, [shaders.WALL_VERTEX, `${shaders.INSIDE}const bool fine=${fine};${more.INSIDE_FRAGMENT}`]);
     this.drawn.forEach((piece, index) => { // the overview comes first in the list and lies under the wall
       const { tile } = piece;
       const { level } = tile;
@@ -213,7 +215,7 @@ export class Gpu {
         rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel * (inside ? Math.min(1, radius / away) : 1), level.rows / 4), // from inside the wall is seen at a slant
       };
       const [a, b] = slanted(piece);
-      this.context.programs[more ? 'inside' : program].use({
+      this.context.programs[name].use({
         ...this.common(tile, look),
         projectionMatrix,
         modelViewMatrix: this.camera.modelView(minus(this.textures(tile).path(path).origin, this.origin)),
@@ -224,7 +226,7 @@ export class Gpu {
         median: inside && view.median < 3 ? 0 : view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,
-        ...(inside ? { lamp: view.length, fine: this.share === 1, dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
+        ...(inside ? { lamp: view.length, dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
         number: index + 1,
         ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });

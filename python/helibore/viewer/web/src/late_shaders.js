@@ -5,7 +5,6 @@
 
 export const INSIDE_FRAGMENT = /* glsl */ `
 uniform float lamp;           // metres that the lamp reaches
-uniform bool fine;            // false while the picture moves
 uniform vec2 steep;
 out vec4 colour;
 // Weights of three vertices for a place, in vertices from the middle one; and how they change along the way.
@@ -78,7 +77,7 @@ void main() {
   }
   float relief = abs(dot(normalize(bent), from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
   float far = 2.0 * length(seen) / lamp;
-  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.1, 1.2) * (1.08 / (1.0 + 1.4 * far * far));
+  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + pow(16.0 * deep, 1.5)) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;

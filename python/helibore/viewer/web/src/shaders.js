@@ -120,18 +120,11 @@ float radiusAt(int k) {
   return r == 0u ? -1.0 : float(r) * radiusUnit;
 }
 void order(inout float a, inout float b) { float m = min(a, b); b = max(a, b); a = m; }
+// Returns the radii before and after a vertex, above and below it, so many columns and vertices away; -1 where there is none.
+vec4 around(int k, int across, int along) { return vec4(radiusAt(k - across), radiusAt(k + across), radiusAt(k - along), radiusAt(k + along)); }
 float smoothRadius(int k) {
   float c = radiusAt(k);
   if (c < 0.0) return c;
-  if (median == 0) { // from inside an edge is seen from near: round off its steps, but not where the next tile has to meet this one
-    if (k < K || k >= K * rows) return c;
-    float sum = 0.0;
-    for (int i = 0; i < 9; i++) {
-      float r = radiusAt(k + i % 3 - 1 + (i / 3 - 1) * K);
-      sum += (r < 0.0 ? c : r) * (i % 3 == 1 ? 4.0 : 1.0) * (i / 3 == 1 ? 4.0 : 1.0);
-    }
-    return sum / 36.0;
-  }
   if (median < 3) return c;
   float a = radiusAt(k - K), e = radiusAt(k + K);
   if (a < 0.0) a = c;
@@ -143,11 +136,11 @@ float smoothRadius(int k) {
   order(z, a); order(e, w); order(z, e); order(a, w); // drop the least and the greatest, then the middle of three
   return max(min(a, c), min(max(a, c), e));
 }
-// Returns the slopes of the wall around and along the hole at a vertex, on a wall whose shape is exaggerated.
-vec2 slopes(int k, float R) {
-  int by = max(stride, 1) * K; // rows that are left out do not count: else every second row, if interpolated, would look smooth
-  float before = radiusAt(k - 1), after = radiusAt(k + 1), above = radiusAt(k - by), below = radiusAt(k + by);
-  return shape * vec2(before < 0.0 || after < 0.0 ? 0.0 : (after - before) * float(K) / 12.566 / R, above < 0.0 || below < 0.0 ? 0.0 : (below - above) * float(K) / (2.0 * pitch * float(by)));
+// rows that are left out do not count: else every second row, if interpolated, would look smooth
+int stepAlong() { return max(stride, 1) * K; }
+// Returns the slopes of the wall around and along the hole between radii around a vertex, on a wall whose shape is exaggerated.
+vec2 slopes(vec4 near, float R) {
+  return shape * vec2(near.x < 0.0 || near.y < 0.0 ? 0.0 : (near.y - near.x) * float(K) / 12.566 / R, near.z < 0.0 || near.w < 0.0 ? 0.0 : (near.w - near.z) * float(K) / (2.0 * pitch * float(stepAlong())));
 }
 float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
 `;
@@ -158,7 +151,7 @@ uniform float tube;
 uniform vec2 steep; // how strongly slopes around and along the hole are shaded
 out vec2 grid;
 out vec3 seen, normal, outwards, axis; // as the camera sees them; outwards is the normal of a round, smooth hole
-out float depthHere;
+out float depthHere, deep; // deep: how far a place lies behind the wall around it, in bit radii
 
 void main() {
   int row = gl_VertexID / (K + 1);
@@ -166,6 +159,15 @@ void main() {
   int at = rings ? row * K + col % K : row * K + col;
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
+  vec4 near = around(at, 1, stepAlong());
+  deep = 0.0;
+  if (median == 0 && r > 0.0) {
+    vec4 far = around(at, K / 24, K * max(stride, int(0.26 * bitRadius / abs(pitch))));
+    far = mix(far.yxwz, far, step(0.0, far));
+    far = mix(vec4(r), far, step(0.0, far));
+    deep = shape / bitRadius * max(0.0, r - 0.5 * min(far.x + far.y, far.z + far.w));
+    if (at > K && at < K * rows) r = 0.5 * r + 0.125 * dot(mix(vec4(r), near, step(0.0, near)), vec4(1.0)); // an edge is seen from near: round off its steps, but not where the next tile has to meet this one
+  }
   float R = exaggerated(r);
   float turn = float(row) + slope() * float(col) / float(K);
   float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
@@ -174,7 +176,7 @@ void main() {
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
   vec3 out1 = cos(toolface) * high + sin(toolface) * right;
-  vec2 slant = clamp(slopes(at, R) * steep, -1.5, 1.5);
+  vec2 slant = clamp(slopes(near, R) * steep, -1.5, 1.5);
   mat3 turned = mat3(modelViewMatrix);
   outwards = turned * out1;
   axis = turned * cross(high, right);
@@ -198,7 +200,7 @@ int quad(float depth) {
 const QUAD = /* glsl */ `
 in vec2 grid;
 in vec3 seen, normal, outwards, axis;
-in float depthHere;
+in float depthHere, deep;
 uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 ${CELL}`;
 
@@ -208,7 +210,8 @@ vec3 rock(int k, float v, bool gap) {
   uint state = texel(k).w;
   bool between = mode != 5 && (state & 0x800u) != 0u;
   vec3 plain = vec3(dark ? 0.24 : 0.80);
-  vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, gap || mode == 5 ? 0.0 : between ? 0.48 : 0.6 * doubt(state));
+  vec3 base = gap || !known(v) ? plain : colourOf(v, k / K);
+  base = mix(base, vec3(dot(base, vec3(0.3, 0.6, 0.1))), gap || mode == 5 ? 0.0 : between ? 0.6 : 0.75 * doubt(state)); // as light as it is without doubt: what is deep stays dark
   if (gap || between || !known(v)) {
     bool sparse = between && !gap; // dense where there is no data
     float at = (grid.x / float(K) * 24.0 + (sparse ? 1.0 : -1.0) * depthHere / (0.2618 * bitRadius)) * (sparse ? 1.0 : 2.0);
@@ -253,7 +256,7 @@ void main() {
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K);
   float R = exaggerated(r);
-  vec2 slant = slopes(at, R) * vec2(1.0, relief);
+  vec2 slant = slopes(around(at, 1, stepAlong()), R) * vec2(1.0, relief);
   depthHere = (float(row) + slope() * float(col) / float(K)) * pitch;
   float turn = startToolface + 6.283185307179586 * float(col) / float(K) - frame(reference, depthHere).w - offset;
   side = -vec2(cos(turn), sin(turn));
