@@ -149,6 +149,13 @@ def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
         assert screen.evaluate("window.__wall.app.picking.selected") == pick.key, (
             "a press on a handle deselects nothing"
         )
+        x, y = place(screen, 90, pick.depth)
+        screen.mouse.move(x, y)
+        screen.mouse.down()
+        screen.mouse.move(x + 2, y + 2)
+        screen.mouse.up()
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.picking.selected") == pick.key, "nor does one on its body"
         assert screen.inner_text("#dipText").splitlines()[-2].endswith("A new pick begins off it.")
         screen.keyboard.press("2")
         screen.settle()
@@ -480,6 +487,46 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
         np.testing.assert_array_equal(second.pixels(name), first.pixels(name))
     assert second.readout() == first.readout()
     assert second.evaluate("window.__wall.app.view.pins.length") == 1
+    first.close()
+    second.close()
+
+
+@pytest.mark.parametrize("camera", ["outside", "down"])
+def test_an_address_keeps_where_the_eye_was_put_in_3d(browser: Any, viewer: Any, camera: str) -> None:
+    first = Screen(browser, viewer.url, f"#md=1009&sec=8&camera={camera}", (1366, 768))
+    first.settle()
+    x, y = first.evaluate("(({ left, top }) => [left + 150, top + 300])(orbit.getBoundingClientRect())")
+    first.mouse.move(x, y)
+    for _ in range(4):
+        first.mouse.wheel(0, -100)
+    first.mouse.down()
+    first.mouse.move(x + 60, y + 30, steps=3)
+    first.mouse.up()
+    first.settle()
+    second = Screen(browser, viewer.url, first.address(), (1366, 768))
+    second.settle()
+    camera_of = "(({ position, axes }) => [...position, ...axes.flat()])(window.__wall.app.renderer.gpu.camera)"
+    seen = first.evaluate(camera_of)
+    assert second.evaluate(camera_of) == pytest.approx(seen, abs=0.003)
+    second.keyboard.press("h")
+    second.settle()
+    assert second.evaluate(camera_of) != pytest.approx(seen, abs=0.1), "the whole section is in view again"
+    assert "eye=" not in second.address()
+    assert "head=" not in second.address()
+    first.close()
+    second.close()
+
+
+def test_an_address_keeps_the_eye_inside_where_a_cursor_was_held(browser: Any, viewer: Any) -> None:
+    first = Screen(browser, viewer.url, "#md=1009&sec=8&camera=down&at=1010.5", (1366, 768))
+    first.settle()
+    first.keyboard.press("Escape")
+    first.settle()
+    second = Screen(browser, viewer.url, first.address(), (1366, 768))
+    second.settle()
+    eye = "window.__wall.app.renderer.gpu.camera.position"
+    assert second.evaluate(eye) == pytest.approx(first.evaluate(eye), abs=0.003)
+    assert not second.evaluate("window.__wall.app.view.pinned")
     first.close()
     second.close()
 

@@ -248,6 +248,18 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         screen.close()
 
 
+def test_a_saved_wall_begins_within_its_ends_though_its_worst_zone_lies_near_one(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2020.0, BIT))
+    radius = 0.5 * BIT + np.where(np.abs(wall.depth - 2018) < 1, 0.02, 0.0)
+    with hb.view(with_gamma(hb.Caliper(wall.depth, wall.toolface, radius))) as viewer:
+        viewer.scene.update_state(ended=True)
+        screen = Screen(browser, viewer.url, drawn=False)
+        screen.until("window.__wall.app.zones.length && !window.__wall.app.view.follow")
+        top, bottom = screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]")
+        assert 2000 - 0.01 <= top < bottom <= 2020 + 0.01
+        screen.close()
+
+
 def test_the_figures_of_a_growing_wall_stand_under_the_depths_that_they_are_of(browser: Any) -> None:
     wall = MadeWall(64 * 150)
     with hb.view(wall) as viewer:

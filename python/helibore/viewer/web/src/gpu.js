@@ -39,7 +39,6 @@ export class Gpu {
     canvas.addEventListener('webglcontextrestored', () => this.restore());
     this.outside = new Camera(FIELD_OF_VIEW);
     this.inside = new Camera(WIDE);
-    this.head = { left: 0, raised: 0 }; // viewing direction of the camera inside, radians from along the hole
     this.camera = this.outside;
     this.width = this.height = this.ratio = 0;
     this.share = 1; // of the pixels in each direction
@@ -185,7 +184,7 @@ export class Gpu {
     this.origin = eastNorthUp(path.at(view.middle).centre);
     this.camera = view.camera === 'outside' ? this.outside : this.inside;
     if (this.camera === this.inside) {
-      placeInside(this.inside, this, look, this.head);
+      placeInside(this.inside, this, look);
       return;
     }
     const far = length(this.outside.position);

@@ -81,7 +81,7 @@ export function bindTracks(app) {
     pointers.delete(event.pointerId);
     app.picking.drop();
     if (drag?.head && drag.moved && !drag.head.edge) reorder(app, drag.head.name, at(event)[0]);
-    if (drag && !drag.moved && !drag.onMap && drag.pick?.act !== 'dip' && event.type === 'pointerup') clickAt(app, ...at(event), reachOf(app, precision(event).curve));
+    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event), reachOf(app, precision(event).curve));
     drag = null;
   };
   ink.addEventListener('pointerup', up);
@@ -185,14 +185,14 @@ function pinch(app, pointers, id, now) {
 /** @param {App} app @param {Gpu} gpu */
 export function bindOrbit(app, gpu) {
   const pane = byId('orbit');
-  const controls = new Orbit(pane, gpu.outside, app.repaint);
+  const controls = new Orbit(pane, gpu.outside, () => app.view.lookFrom([...gpu.outside.position, ...controls.target]));
   /** @type {Pair | null} */
   let waiting = null;
   pane.addEventListener('wheel', (event) => app.view.camera !== 'outside' && wheel(app, event), { passive: false });
   pane.addEventListener('pointermove', (event) => {
     if (event.buttons && app.view.camera !== 'outside') {
       if (controls.fingers.size > 1) fly(app, (20 * event.movementY) / pane.clientHeight);
-      else turnHead(gpu.head, event.movementX, event.movementY);
+      else turnHead(app.view.head, event.movementX, event.movementY);
       app.repaint();
     }
     if (event.buttons || app.view.pinned || !app.store) return;

@@ -9,15 +9,15 @@ import { eastNorthUp, minus, plus } from './vectors.js';
 export const WIDE = 62; // degrees of view across the narrower side of the picture
 const FARTHEST = 1.2; // radians that the head turns at most
 
-/** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
-export function placeInside(camera, gpu, look, head) {
+/** @param {Camera} camera @param {Gpu} gpu @param {Look} look */
+export function placeInside(camera, gpu, look) {
   const { path, view, store, wallRect } = look;
   const down = view.camera === 'down';
   const frame = path.at(eyeDepth(look));
   const along = eastNorthUp(frame.tangent);
   camera.position = gpu.position(frame);
   camera.lookAt((down ? plus : minus)(camera.position, along), Math.abs(along[2]) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]);
-  camera.turn(head.left, head.raised);
+  camera.turn(...view.head);
   camera.aspect = wallRect.width / Math.max(1, wallRect.height);
   camera.tangent = Math.tan((WIDE * Math.PI) / 360) / Math.min(1, camera.aspect); // in a narrow pane, too, the ring of a plane is seen whole
   const radius = store.bitRadius * view.tubeFactor(store);
@@ -44,12 +44,12 @@ export function eyeDepth({ view, store, held }) {
 /** @param {View} view */
 const endOf = ({ camera, top, bottom }) => (camera === 'down' ? top : bottom);
 
-/** @param {{ left: number, raised: number }} head @param {number} dx @param {number} dy */
+/** @param {Pair} head @param {number} dx @param {number} dy */
 export function turnHead(head, dx, dy) {
   /** @param {number} angle */
   const within = (angle) => Math.min(FARTHEST, Math.max(-FARTHEST, angle));
-  head.left = within(head.left + 0.004 * dx);
-  head.raised = within(head.raised + 0.004 * dy);
+  head[0] = within(head[0] + 0.004 * dx);
+  head[1] = within(head[1] + 0.004 * dy);
 }
 
 const SPEED = 0.2; // of the section in a second

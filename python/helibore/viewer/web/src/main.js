@@ -251,7 +251,7 @@ export class App {
     const picked = picking.kept.map(({ depth }) => depth).filter((depth) => depth >= span[0] && depth <= span[1]).sort((a, b) => a - b);
     const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : span;
     const length = Math.min(view.length, span[1] - span[0]); // a short well fills the height
-    view.show((top + bottom - length) / 2, length, store);
+    view.show(Math.max(span[0], Math.min((top + bottom - length) / 2, span[1] - length)), length, store);
     this.opened = view.top;
   }
 
@@ -347,6 +347,7 @@ export class App {
   readdress() {
     if (location.hash === toAddress(this) || !this.store) return;
     Object.assign(this.selection.quantity, fromAddress(this, location.hash));
+    this.renderer.fitted = false;
     this.repaint();
   }
 }

@@ -225,11 +225,11 @@ export class Picking {
     return found.find(({ key }) => key === this.selected) ?? found[0] ?? null;
   }
 
-  // Handle a click on the image: on a pick it selects or deselects the pick; elsewhere it adds a point.
+  // Handle a click on the image: on a pick it selects the pick; elsewhere it deselects and adds a point.
   /** @param {Aim} cursor @param {number} reach */
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
-    this.selected = !found || found.key === this.selected ? null : found.key;
+    this.selected = found?.key ?? null;
     if (!found && this.kind !== BREAKOUT) Object.assign(this, { points: [...this.points, this.point(cursor)], undone: [] });
     this.app.redraw();
   }
@@ -419,7 +419,7 @@ export class Picking {
     if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) {
       this.app.redraw(); // the list shows the class as it stays
       const [one, other] = kind === BREAKOUT ? ['plane', 'breakout'] : ['breakout', 'plane'];
-      return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: press on it, or Esc.`, 10);
+      return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: Esc.`, 10);
     }
     if (!pick) this.kind = kind;
     else if (pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}`, { ...pick, kind });

@@ -159,7 +159,7 @@ export class Renderer {
     app.ask();
     if (this.controls) this.controls.enabled = app.view.camera === 'outside';
     if (this.stale) this.arrange();
-    if (!this.fitted) this.fit();
+    if (!this.fitted) this.aim();
     const look = this.look();
     const painted = this.stale;
     if (gpu && painted) this.paint(gpu, look);
@@ -304,11 +304,21 @@ export class Renderer {
 
   // Look at the whole section from the side, a little from above, in whatever direction the hole runs.
   fit() {
+    Object.assign(this.app.view, { eye: [], head: [0, 0] });
+    this.aim();
+  }
+
+  // Look at the section from where the eye was put, else from where all of it is seen.
+  aim() {
     const { gpu, controls, app: { path, view, store } } = this;
     if (!path?.count || !gpu || !controls) return;
     gpu.lookAtSection(view.length, path.at(view.middle), view.tubeFactor(store) * store.bitRadius, this.rects.wall);
-    Object.assign(gpu.head, { left: 0, raised: 0 });
     controls.target = [0, 0, 0];
+    if (view.eye.length) {
+      gpu.outside.position = view.eye.slice(0, 3);
+      controls.target = view.eye.slice(3);
+      gpu.outside.lookAt(controls.target);
+    }
     this.fitted = true;
     this.repaint();
   }

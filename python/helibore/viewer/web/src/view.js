@@ -58,6 +58,10 @@ export class View extends Settings {
   cursor = null;
   pinned = false;
   ahead = 0; // metres from the end of the section to the eye inside, after a cursor was held there
+  /** @type {number[]} */
+  eye = []; // on the path: places of the eye and of what it looks at, metres from the middle of the section; empty: all of it is in view
+  /** @type {Pair} */
+  head = [0, 0]; // viewing direction of the eye inside: radians to the left of along the hole, and above it
   /** @type {Pick<View, 'top' | 'length' | 'follow'> | null} */
   desk = null; // the section before rig mode
   /** @type {number[]} */
@@ -140,6 +144,12 @@ export class View extends Settings {
 
   release() {
     this.#change({ pinned: false });
+  }
+
+  // Look at the hole on its path from a place.
+  /** @param {number[]} eye */
+  lookFrom(eye) {
+    this.#change({ eye });
   }
 
   // Keep the section at a depth beside the cross-section, or remove it; only the last three sections are kept.
@@ -251,7 +261,9 @@ export class View extends Settings {
     for (const key of LISTS) if (this[key].length || chosen[key]) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
     for (const key of SWITCHES) if (this[key]) parts[key] = '1';
-    const { cursor, pinned, pins } = this;
+    const { cursor, pinned, pins, ahead, eye, head } = this;
+    if (ahead) parts.ahead = ahead.toFixed(3);
+    for (const [name, values] of Object.entries({ eye, head })) if (values.some(Boolean)) parts[name] = values.map((one) => one.toFixed(3)).join('_');
     if (pinned && cursor) parts.at = [cursor.depth.toFixed(3), ...(cursor.toolface === null ? [] : [cursor.toolface.toFixed(1)])].join('_');
     if (pins.length) parts.sections = pins.map((depth) => depth.toFixed(3)).join('_');
     return `#${new URLSearchParams(parts)}`;
@@ -271,12 +283,16 @@ export class View extends Settings {
     const [at, toolface] = numbers(parts.get('at'));
     if (at !== undefined) [this.cursor, this.pinned] = [{ depth: at, toolface: toolface ?? null }, true];
     this.pins = numbers(parts.get('sections')).slice(0, 3);
+    const [eye, [left = 0, raised = 0]] = ['eye', 'head'].map((name) => numbers(parts.get(name)));
+    this.eye = eye.length === 6 && eye.some((x, i) => i < 3 && x !== eye[i + 3]) ? eye : [];
+    this.head = [left, raised];
     const taken = {
       length: number('sec', SHORTEST, 1e5),
       tube: number('tube', 0, 1000),
       shape: number('shape', 0, 100),
       turn: number('turn', 0, 360),
       string: number('string', -1e5, 1e6),
+      ahead: number('ahead', -1e5, 1e5),
       curtain: number('curtain', 0, 1),
       median: [1, 3, 5].includes(number('median', 1, 5) ?? 0) ? number('median', 1, 5) : null,
       cut: among('cut', /** @type {Cut[]} */ (Object.keys(CUTS))),

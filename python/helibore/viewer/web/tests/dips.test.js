@@ -308,7 +308,7 @@ test('a selected plane stays selected and what it is when breakout is chosen, an
   Object.assign(made, { selected: 'b', kind: 'breakout' });
   made.setClass('bed');
   assert.deepEqual([made.pick, made.kind], [box, 'breakout']);
-  const rest = 'deselect it first: press on it, or Esc.';
+  const rest = 'deselect it first: Esc.';
   assert.deepEqual(sent, [
     `A plane cannot become a breakout: the selected pick stays a plane. To pick a breakout, ${rest}`,
     `A breakout cannot become a plane: the selected pick stays a breakout. To pick a plane, ${rest}`,
