@@ -9,13 +9,16 @@ stick in any hole that builds a degree. So each body has the clearance of `Wall.
 the part of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight,
 whatever lies between the samples, also where a telemetry tool measured only a few places of each turn. What is not
 said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
+
+Hole is tight where it is less than the bit by the limit, and where a body is surely too thick for it, if its radii have
+a sigma; there each body sticks that is likely too thick. The alarm has the limit alone.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -26,7 +29,7 @@ from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND
 from helibore.live.live import Live
 from helibore.live.rules.configuration import AlarmLimits
-from helibore.logs.passage import Passage, passage_of, without_noise
+from helibore.logs.passage import SURER, hanging_at, passage_of, without_noise
 from helibore.logs.turn_logs import LEAST_SAMPLED
 from helibore.logs.zone_criteria import Criteria
 from helibore.settings.output_settings import RigidBody
@@ -45,6 +48,10 @@ LEAST_GAP = 0.25
 """Metres of hole that must not be sampled on end, so that it counts as not seen."""
 APART = 0.25
 """Metres of hole between two tight places that count as two."""
+SURE = 3.0
+"""Standard uncertainties by which a body is too thick for hole that is less tight than the limit, and sticks there."""
+TRUENESS = 0.001
+"""Metres by which it is too thick at least: by so much the diameters of a caliper may be off all over."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
 """Solving takes at most one part in so many of a processor's time, for a tripped bit and for another."""
 
@@ -150,13 +157,14 @@ class Ahead:
         self._bodies: list[_Tight] = []
         self._seen: list[tuple[float, float]] = []  # ends of the hole that is sampled, from above
         self.outlook: Outlook | None = None
+        self._beyond: tuple[TightAhead | None, ...] = (None, None)  # what is tighter than the limit, up and down
 
     @property
     def found(self) -> TightAhead | None:
-        """What is tight where the bit moves, or on its way out if it is on bottom."""
+        """What is tighter than the limit where the bit moves, or on its way out if it is on bottom."""
         if self.outlook is None or not (self._moves or self._on_bottom):
             return None
-        return self.outlook.up if self._up else self.outlook.down
+        return self._beyond[0 if self._up else 1]
 
     def look(self) -> TightAhead | None:
         """Return what is tight ahead; None if nothing is, if the bit is on bottom, or if it has not moved yet."""
@@ -208,32 +216,44 @@ class Ahead:
         # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches. This is
         # looked for up to half of the limit, since in a hole as wide as the bit noise of the samples is not tight.
         thin, touching = (
-            [replace(body, diameter=max(0.0, min(body.diameter, size - least))) for body in string]
-            for least in (tight, 0.5 * tight)
+            [max(0.0, min(body.diameter, size - least)) for body in string] for least in (tight, 0.5 * tight)
         )
-        self._counts = tuple(body.diameter for body in touching)
-        stretch = self._stretch(*self._ends, length)
-        each = zip(range(len(string)), string, thin, touching, strict=True)
+        self._counts = tuple(touching)
+        stretch, sigma = self._stretch(*self._ends, length), None
         self._seen = [] if stretch is None else _seen(stretch)
-        stretch = stretch and _quiet(stretch)
-        self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, of[-1])) for of in each]
+        if stretch is not None:
+            stretch, sigma = _quiet(stretch)
+        each = zip(range(len(string)), string, thin, touching, strict=True)
+        self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, sigma, *of[1:])) for of in each]
+        found = [ends for of in self._bodies for ends in of.ends()]
+        for of in self._bodies:
+            of.stick_at(found)
 
-    def _narrow(self, stretch: WallState, body: RigidBody) -> list[WallState]:
-        """Return the parts of a stretch in which a body may stick: where it is thicker than the least diameter."""
-        K, pitch = stretch.settings.sectors, abs(stretch.settings.pitch)
+    def _narrow(
+        self, stretch: WallState, sigma: Floats | None, body: RigidBody, *thin: float
+    ) -> list[tuple[WallState, Floats | None]]:
+        """Return the parts of a stretch in which a body may stick, as it is or thinner, each with its sigma."""
+        K, pitch = stretch.settings.sectors, stretch.settings.pitch
         turns = np.where(np.isnan(stretch.radius), np.inf, stretch.radius).reshape(-1, K).min(axis=1)
-        reach = math.ceil(body.length / pitch) + 2  # turns beside which it may be
+        reach = math.ceil(body.length / abs(pitch)) + 2  # turns beside which it may be
         parts = []
-        for first, stop in joined(runs_of(2.0 * turns < body.diameter), 2 * reach):
-            top, bottom = sorted(
-                stretch.start_depth + stretch.settings.pitch * turn for turn in (first - reach, stop + reach)
-            )
-            parts.append(self._stretch(top, bottom, body.length, stretch))
-        return [part for part in parts if part is not None]
+        for first, stop in joined(runs_of(2.0 * turns < max(*thin, body.diameter - TRUENESS)), 2 * reach):
+            top, bottom = sorted(stretch.start_depth + pitch * turn for turn in (first - reach, stop + reach))
+            if part := self._stretch(top, bottom, body.length, stretch):
+                away = round((part.start_depth - stretch.start_depth) / pitch) * K
+                rows = away + np.arange(part.radius.size)
+                held = (rows >= 0) & (rows < stretch.radius.size)
+                own = None if sigma is None else np.where(held, sigma[np.where(held, rows, 0)], np.nan)
+                parts.append((part, own))
+        return parts
 
     def _look_around(self, bit: float, ahead: float, moving: str) -> Outlook:
         up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
         sides = _side(up, self._string, bit, up=True), _side(down, self._string, bit, up=False)
+        self._beyond = tuple(
+            _side([of.places(bit, ahead, up, beyond=True) for of in self._bodies], self._string, bit, up)
+            for up in (True, False)
+        )
         at = tuple((_first(above, up=True), _first(below, up=False)) for above, below in zip(up, down, strict=True))
         at = at or ((None, None),) * len(self._string)
         hole = self._live.model.rig.tracks["hole_depth"].value[-1:].tolist()
@@ -286,40 +306,89 @@ class Ahead:
 
 
 class _Tight:
-    """Where one body of the string sticks in parts of a wall: by the limit, and from where it touches."""
+    """Where one body of the string sticks in parts of a wall: beyond the limit, surely, and from where it touches."""
 
     def __init__(
-        self, number: int, body: RigidBody, thin: RigidBody, touching: RigidBody, parts: Sequence[WallState]
+        self, number: int, body: RigidBody, thin: float, touching: float,
+        parts: Sequence[tuple[WallState, Floats | None]],
     ) -> None:  # fmt: skip
-        self._number, self._name, self._thin = number, _name(body, number), thin
+        self._number, self._name, alone = number, _name(body, number), replace(body, position=0.0)
         self._to_bit = body.position + body.length / 2  # metres from the middle of the body to the bit
-        thin, touching = replace(thin, position=0.0), replace(touching, position=0.0)
-        self._parts = [
-            (passage_of(part, [thin], upper_limit=True), passage_of(part, [touching], upper_limit=True).clearance < 0)
-            for part in parts
-        ]
+        self._parts: list[_Part] = []
+        for part, sigma in parts:
+            found = passage_of(part, [alone], upper_limit=True)
+            passes = body.diameter + found.clearance
+            beyond = passes < thin
+            lacks = found.clearance < -TRUENESS
+            tight = beyond.copy()
+            for first, stop in runs_of(lacks):
+                if not beyond[first:stop].any():
+                    tight[first:stop] = _is_sure(part, alone, sigma, found.depth[first:stop], passes[first:stop])
+            contact = found.contact_depth[:, 0]
+            self._parts.append(
+                _Part(found.depth, passes, contact, beyond, tight, lacks, passes < touching, found.height)
+            )
 
-    def places(self, bit: float, ahead: float, up: bool) -> list[Place]:
-        """Return the tight places within ``ahead`` on one side."""
+    def ends(self) -> Iterator[tuple[float, float]]:
+        """Yield the ends of each tight place."""
+        for part in self._parts:
+            for first, stop in runs_of(part.tight):
+                yield float(part.contact[first:stop].min()), float(part.contact[first:stop].max())
+
+    def stick_at(self, places: Sequence[tuple[float, float]]) -> None:
+        """Let the body stick where it is likely too thick for hole that is tight for another body."""
+        for part in self._parts:
+            for first, stop in runs_of(part.lacks):
+                top, bottom = part.contact[first:stop].min(), part.contact[first:stop].max()
+                if any(top <= end and start <= bottom for start, end in places):
+                    part.tight[first:stop] = True
+
+    def places(self, bit: float, ahead: float, up: bool, beyond: bool = False) -> list[Place]:
+        """Return the tight places within ``ahead`` on one side, or those ``beyond`` the limit."""
         places = []
-        for found, touches in self._parts:
-            lower = found.depth + self._to_bit
-            for rows in _runs(found, touches, bit - lower if up else lower - bit, ahead):
-                row = rows[np.argmin(found.clearance[rows])]
-                touched = found.contact_depth[rows, 0]
+        for part in self._parts:
+            lower = part.depth + self._to_bit
+            tight = part.beyond if beyond else part.tight
+            travel = bit - lower if up else lower - bit
+            for rows in _runs(tight, part.touches, travel, -0.49 * part.height, ahead):
+                row = rows[np.argmin(part.passes[rows])]
+                touched = part.contact[rows]
                 ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
-                passes = round(self._thin.diameter + float(found.clearance[row]), 4)
                 sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
+                passes = round(float(part.passes[row]), 4)
                 places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number))
         return places
 
 
-def _runs(found: Passage, touches: Mask, travel: Floats, ahead: float) -> list[Integers]:
-    """Return the rows of each tight stretch within ``ahead``, from what the body meets first."""
+class _Part(NamedTuple):
+    """A body in a part of a wall, turn by turn: where its middle is, what passes there, and where that touches first.
+
+    ``beyond``: tight by the limit; ``tight``: it sticks; ``lacks``: likely too thick; ``touches``: may be too thick.
+    """
+
+    depth: Floats
+    passes: Floats
+    contact: Floats
+    beyond: Mask
+    tight: Mask
+    lacks: Mask
+    touches: Mask
+    height: float
+
+
+def _is_sure(part: WallState, body: RigidBody, sigma: Floats | None, depth: Floats, passes: Floats) -> bool:
+    """Return whether a body surely sticks at the tightest of some depths of its middle."""
+    lower_end = float(depth[np.argmin(passes)]) + body.length / 2
+    found = None if sigma is None else hanging_at(part, [body], lower_end, part.sampled, sigma)
+    return found is not None and found.at_sigma(SURE) < -TRUENESS
+
+
+def _runs(tight: Mask, touches: Mask, travel: Floats, least: float, most: float) -> list[Integers]:
+    """Return the rows of each tight stretch on the way, from what the body meets first."""
     order = np.argsort(travel, kind="stable")
-    order = order[(travel[order] >= -0.49 * found.height) & (travel[order] <= ahead)]
+    order = order[(travel[order] >= least) & (travel[order] <= most)]
     runs, end = [], 0
-    for first, stop in runs_of(found.clearance[order] < 0):
+    for first, stop in runs_of(tight[order]):
         while first > end and touches[order[first - 1]]:
             first -= 1
         runs.append(order[first:stop])
@@ -327,15 +396,16 @@ def _runs(found: Passage, touches: Mask, travel: Floats, ahead: float) -> list[I
     return runs
 
 
-def _quiet(stretch: WallState) -> WallState:
-    """Return a stretch without the noise of its radii, as far as their uncertainty is known."""
+def _quiet(stretch: WallState) -> tuple[WallState, Floats | None]:
+    """Return a stretch without the noise of its radii, as far as their uncertainty is known, and what is left of it."""
     if not stretch.sums:
-        return stretch
+        return stretch, None
     try:
-        radius = without_noise(stretch.radius, stretch.sigma, stretch.settings.sectors)
+        sigma = stretch.sigma
     except InputError:  # too few samples
-        return stretch
-    return replace(stretch, radius=radius, sums=())
+        return stretch, None
+    radius = without_noise(stretch.radius, sigma, stretch.settings.sectors)
+    return replace(stretch, radius=radius, sums=()), SURER * sigma
 
 
 def _seen(stretch: WallState) -> list[tuple[float, float]]:

@@ -261,6 +261,10 @@ class Hanging:
     body: int
     at_most: bool
 
+    def at_sigma(self, number: float) -> float:
+        """Return the clearance so many standard uncertainties above what it is thought to be; NaN: not known."""
+        return 0.5 * (self.low + self.high) + number * (self.high - self.low) / 3.92
+
 
 def hanging_at(
     wall: WallLike, string: Sequence[RigidBody], lower_end: float, sampled: Mask | None, sigma: Floats | None = None
@@ -295,7 +299,8 @@ def hanging_at(
     for at_most in (False, True):
         radii = part(np.where(known, radius, OPEN) if at_most else radius, OPEN)
         counts = np.empty(0) if at_most else part(known.astype(np.float64), 1.0)
-        errors = np.empty(0) if at_most or inward is None else np.pad(inward, lack)
+        counted = known | (not at_most)  # hole that counts as open has no error
+        errors = np.empty(0) if inward is None else np.pad(np.where(counted[own], inward, 0.0), lack)
         found = _core.passage_columns(place, radii, path, bodies, counts, errors, threads)
         clearance, body = float(found["clearance"][row]), int(found["contact_body"][row, 0])
         if math.isfinite(clearance):
@@ -358,10 +363,11 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, u
     middle = length / 2
     bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
     sampled: Mask | None = getattr(wall, "sampled", getattr(wall, "measured", None))
+    errors = np.empty(0) if sigma is None else _inward(radius, column("sigma", sigma, radius.size, "radius"), K)
     if upper_limit and sampled is not None:
+        errors = np.where(sampled, errors, 0.0) if errors.size else errors  # hole that counts as open has none
         radius, sampled = np.where(sampled, radius, OPEN), None
     counts = np.empty(0) if sampled is None else sampled.astype(np.float64)
-    errors = np.empty(0) if sigma is None else _inward(radius, column("sigma", sigma, radius.size, "radius"), K)
     threads = thread_count(getattr(wall, "threads", None))
     place = (helix.start_depth, helix.start_toolface, pitch, K, helix.first)
     found = _core.passage_columns(place, radius, core_path(path), bodies, counts, errors, threads)

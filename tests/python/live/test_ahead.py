@@ -7,7 +7,7 @@ import pytest
 from live_wires import WALL, Clock
 
 from helibore import Live, RigidBody
-from helibore.live.ahead import APART, Place, _joined
+from helibore.live.ahead import APART, Ahead, Place, _joined
 from helibore.live.alarms import Alarms
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
@@ -92,6 +92,7 @@ def test_no_alarm(alarms, path):
     for bit in path:
         trip.to(bit)
     assert trip.said == []
+    assert trip.alarms.ahead.found is None
 
 
 def test_a_body_sticks_where_it_touches_and_not_where_the_limit_is_reached():
@@ -316,6 +317,59 @@ def test_noise_of_the_radii_is_no_tight_hole():
     assert found is not None
     assert found.places == 1
     assert found.sticks_at == pytest.approx(TIGHT[1] + 1.0, abs=0.3)
+
+
+FULL_GAUGE, UNDERSIZED = (0.2159, 0.2159, 0.2159), (0.2159, 0.2127, 0.2127)
+
+
+def _pulled(
+    tool: str, sizes: tuple[float, ...], hole: float, ring: float = 0.0, noise: float = 0.0005, bias: float = 0.0
+) -> Ahead:
+    """What is ahead of a bit and two stabilisers that are pulled: 60 m of round hole, narrower from 130 to 131.5 m."""
+    clock, draw = Clock(), np.random.default_rng(12)
+    depth = np.arange(100.0, 160.0, {"rotating": 1 / 240, "telemetry": 1 / 50, "arms": 1 / 20}[tool])
+    toolface = np.arange(depth.size) * {"rotating": 22.1, "telemetry": 106.8, "arms": 0.9}[tool]
+    if tool == "arms":
+        depth, toolface = np.repeat(depth, 4), (toolface[:, None] + [20, 110, 200, 290]).ravel()
+    radius = np.where((depth > 130) & (depth < 131.5), ring or hole, hole) / 2
+    wall = WALL.replace("sectors = 16", "sectors = 64\nsigma = true").replace("0.216", "0.2159")
+    bodies = zip(("bit", "near-bit stabiliser", "stabiliser"), sizes, (0.3, 1.0, 1.2), (0, 0.9, 9.2), strict=True)
+    of = '[[string]]\nname = "{}"\ndiameter = {}\nlength = {}\nposition = {}\n'
+    live = Live(parse(f"{wall}[alarms]\nahead = 30\n{RIG}" + "".join(of.format(*one) for one in bodies)), clock=clock)
+    live.append_samples(depth, toolface % 360, radius + bias + draw.normal(0, noise, depth.size))
+    ahead = Ahead(live)
+    for bit in (158.0, 157.7):
+        clock.step(1)
+        live.receive("rig", wits.frame([(108, f"{bit:.2f}"), (110, "160.0")]))
+        ahead._due = 0.0
+        ahead.look()
+    return ahead
+
+
+@pytest.mark.parametrize("tool", ["rotating", "telemetry", "arms"])
+@pytest.mark.parametrize(
+    ("noise", "bias"), [(0.0005, 0.0), (0.0005, -0.0004), (0.002, 0.0)], ids=["quiet", "off all over", "noisy"]
+)
+def test_hole_of_bit_size_is_tight_for_no_body_as_thick_as_the_bit(tool, noise, bias):
+    outlook = _pulled(tool, FULL_GAUGE, 0.2159, noise=noise, bias=bias).outlook
+    assert (outlook.up, outlook.down) == (None, None)
+    assert outlook.bodies == ((None, None),) * 3
+
+
+@pytest.mark.parametrize("tool", ["rotating", "telemetry", "arms"])
+def test_a_body_that_surely_sticks_is_named_also_where_the_hole_is_tight_by_less_than_the_limit(tool):
+    """210.5 mm are 5.4 mm under the bit, less than the limit of 6.35 mm; the stabilisers of 212.7 mm do not pass."""
+    ahead = _pulled(tool, UNDERSIZED, 0.2169, ring=0.2105)
+    found = ahead.outlook.up
+    assert found is not None
+    assert (found.nearest.top, found.nearest.bottom) == pytest.approx((130, 131.5), abs=0.25)
+    assert found.nearest.first == "stabiliser"
+    assert found.sticks_at == pytest.approx(131.5 + 9.2 + 1.2, abs=0.25)
+    assert found.nearest.passes == pytest.approx(0.2105, abs=0.002)
+    assert all(up is not None for up, _ in ahead.outlook.bodies), "the bit does not pass either"
+    assert ahead.found is None, "the alarm has its limit"
+    passed = _pulled(tool, UNDERSIZED, 0.2169, ring=0.2147).outlook
+    assert [up for up, _ in passed.bodies[1:]] == [None, None], "1.2 mm under the bit, thinner bodies pass"
 
 
 def test_tight_hole_with_a_hand_of_wide_hole_between_is_one_place():

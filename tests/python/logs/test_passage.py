@@ -15,7 +15,7 @@ from golden_texts import Golden
 import helibore as hb
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
-from helibore.logs.passage import MANDRELS, Drift, RigidBody, drift_of, passage_of
+from helibore.logs.passage import MANDRELS, SURER, Drift, RigidBody, drift_of, hanging_at, passage_of, without_noise
 from helibore.settings.wall_settings import Settings
 
 D = 0.2159
@@ -293,3 +293,25 @@ def test_the_edge_of_a_washout_does_not_make_the_clearance_beside_it_unsure():
     assert wide[away & found.known].mean() < 0.003
     assert wide[beside].max() < 0.007
     assert (found.low[away & found.known] < 0.0025).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_passes_at_most_has_the_uncertainty_of_the_radii_that_hold_it(seed):
+    """A third of the turn is not sampled. The other radii have an error of 1 mm, alike over a turn and two sectors."""
+    draw, body = np.random.default_rng(seed), RigidBody(0.2127, 1.0)
+    K, turns = 64, 40
+    error = draw.normal(0, 1, (turns + 2, K))
+    error = error[:-2] + 2 * error[1:-1] + error[2:]
+    error = sum(share * np.roll(error, by, axis=1) for by, share in zip(range(-2, 3), (1, 2, 3, 2, 1), strict=True))
+    wall, sigma = hole(D / 2, turns), np.full(K * turns, 1e-3)
+    wall.radius = without_noise(wall.radius + 1e-3 * (error / error.std()).ravel(), sigma, K)
+    sampled = np.tile(np.arange(K) < 44, turns)
+    found = hanging_at(wall, [body], 103.0, sampled, SURER * sigma)
+    assert found is not None
+    assert found.at_most
+    assert found.low < D - body.diameter < found.high
+    assert found.high > found.clearance + 0.0005
+    assert found.at_sigma(1.96) == pytest.approx(found.high, abs=1e-6)
+    whole = hanging_at(wall, [body], 103.0, sampled | True, SURER * sigma)
+    assert whole is not None
+    assert not whole.at_most
