@@ -16,7 +16,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -115,11 +115,13 @@ class Window:
             self._feed.set_path(self._path())
         self._show_images()
         self._show_channels()
-        known = {} if self._newest is None else {"newest": self._newest}
+        known: dict[str, Any] = {} if self._newest is None else {"newest": self._newest}
         sources = live.configuration.sources
         bits = [name for name, source in sources.items() if "bit_depth" in source.rig]
         newest = live.model.rig.tracks["bit_depth"].order[-1:].tolist()
-        if (ages := live.ages()) and not (bits and newest and newest == self._newest_bit):  # else no bit depth has come
+        if (ages := live.ages()) and (
+            live.model.rig.at_rest or not (bits and newest and newest == self._newest_bit)  # else no bit depth has come
+        ):
             self._newest_bit = newest
             known["received"] = float(round(time.time() - min(ages[name] for name in bits or ages)))
         for name in ("bit_depth", "hole_depth"):
@@ -130,6 +132,8 @@ class Window:
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if not self._feed:
             text = self._waiting_text(states, alarms, lost)
+        fed = [sources[name] for name in bits] or list(sources.values())
+        known["units"] = "ft" if fed and fed[0].units == "fps" else "mm"
         self.scene.update_state(**known, sources=text, apart=self._kept_apart(), lost=lost,
                                 alarms=tuple(map(str, alarms)), ahead=asdict(ahead) if ahead else None)  # fmt: skip
 

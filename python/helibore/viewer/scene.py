@@ -169,6 +169,7 @@ class RunState:
     received: float = math.nan  # time of the last bit depth, without one of the last bytes; NaN: not known
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words
+    units: str = "mm"  # with which a page begins: "mm" (depths in m), "in" or "ft" (sizes in inches)
     # The two measured depths between which the true vertical depth is known, and the "down" at which it is 0.
     true_depth: tuple[float, float, float] | None = None
     curves: tuple[

@@ -143,6 +143,45 @@ def test_the_age_on_the_page_is_that_of_the_bit_depth_whatever_else_comes():
 
 
 @pytest.mark.usefixtures("needs_page")
+@pytest.mark.parametrize(
+    ("activity", "hole", "age"),
+    [(3, 130.0, 0), (8, 130.0, 40), (2, 130.0, 40), (3, 130.4, 40)],
+    ids=["in slips", "running in", "drilling", "the hole becomes deeper"],
+)
+def test_a_bit_depth_is_not_old_while_the_string_hangs_still_and_other_items_come(activity, hole, age):
+    """A rig that sends the bit depth when it changes only sends none during a connection."""
+    from helibore.cli.live_view import Window
+
+    clock = Clock()
+    with Window("well-7") as window:
+        items = 'items = { bit_depth = "0108", hole_depth = "0110", activity = "0107" }\n'
+        live = hb.Live(parse(f'{WALL}[source.rig]\naddress = "host"\nunits = "metric"\n{items}'), clock=clock)
+        window.follow(live)
+        live.receive("rig", wits.frame([(107, "9"), (108, "120.00"), (110, "130.00")]))
+        clock.step(40)
+        window.refresh({})
+        live.receive("rig", wits.frame([(107, str(activity)), (110, f"{hole:.2f}")]))
+        window.refresh({})
+        assert window.scene.state.received == pytest.approx(time.time() - age, abs=5)
+        clock.step(30)
+        window.refresh({})
+        assert window.scene.state.received <= time.time() - 25, "nothing comes"
+
+
+@pytest.mark.usefixtures("needs_page")
+@pytest.mark.parametrize(("units", "page"), [("metric", "mm"), ("fps", "ft")])
+def test_a_page_begins_with_the_units_of_the_rig(units, page):
+    from helibore.cli.live_view import Window
+
+    rig = f'[source.rig]\naddress = "host"\nunits = "{units}"\nitems = {{ bit_depth = "0108" }}\n'
+    mwd = '[source.mwd]\naddress = "host"\nunits = "metric"\nitems = { rotation = "0120" }\n'
+    with Window("well-7") as window:
+        window.follow(hb.Live(parse(f"{WALL}{mwd}{rig}")))
+        window.refresh({})
+        assert window.scene.state.units == page
+
+
+@pytest.mark.usefixtures("needs_page")
 def test_the_page_goes_on_with_another_hole():
     from helibore.cli.live_view import Window
 

@@ -32,6 +32,10 @@ DEEP_ENOUGH = 100.0
 """Metres. The unit of smaller depths is not checked: a sensor high above the bit may be at bit depth / 3.28."""
 
 
+RESTING = (3, 13, 14, 15, 16)
+"""Activities (WITS item 0107) in which the string hangs in its slips: a connection, service, repair, a survey."""
+
+
 class QuantityHistory:
     """Entries (time, order, value) of one quantity in order of arrival; ``order`` is the number of their frame."""
 
@@ -93,6 +97,17 @@ class RigHistory:
         """Whether the bit is on bottom, by the latest bit depth."""
         latest = self._off_bottom.values[-1:]
         return bool(len(latest) and not latest[0])
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the string hangs still, by the latest activity: then a bit depth may be sent only when it changes.
+
+        If the hole has become deeper since the last bit depth, the activity is wrong.
+        """
+        activity, bit, hole = (self.tracks[name] for name in ("activity", "bit_depth", "hole_depth"))
+        if not (activity.value[-1:].size and bit.order.size and activity.value[-1] in RESTING):
+            return False
+        return not hole.value[-1:] > self._latest("hole_depth", bit.order[-1:])
 
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""

@@ -216,7 +216,7 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS, apart = '' }) {
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
     Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo, limits, apart });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
@@ -231,6 +231,7 @@ export class App {
     this.prints = prints;
     this.bitDepth = bit;
     this.holeDepth = hole;
+    this.view.followUnits(units);
     this.pace.note(received);
     this.radii.note(newest, hole);
     [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine

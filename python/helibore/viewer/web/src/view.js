@@ -35,7 +35,7 @@ class Settings {
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
-const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string', 'curtain']);
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string', 'curtain']);
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
@@ -71,6 +71,7 @@ export class View extends Settings {
   imagesChosen = false; // by the address or the user
   sized = false; // whether the address, or the first wall of the page, has set how long the section is
   themeChosen = false; // by the address or the user; if not, the theme is that of the machine
+  unitsChosen = false; // by the address or the user; if not, the units are those of the source
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   curvesChosen = false; // by the address or the user
@@ -107,7 +108,7 @@ export class View extends Settings {
   // Choose settings: units, theme, what is coloured, exaggerations ...
   /** @param {Partial<Settings>} settings */
   choose(settings) {
-    this.#change({ ...settings, ...(settings.theme ? { themeChosen: true } : {}) });
+    this.#change({ ...settings, ...(settings.theme ? { themeChosen: true } : {}), ...(settings.units ? { unitsChosen: true } : {}) });
   }
 
   toggleTheme() {
@@ -118,6 +119,12 @@ export class View extends Settings {
   /** @param {boolean} dark */
   followTheme(dark) {
     if (!this.themeChosen) this.#change({ theme: dark ? 'dark' : 'light' });
+  }
+
+  // Take the units of the source, unless some were chosen.
+  /** @param {Units} units */
+  followUnits(units) {
+    if (!this.unitsChosen) this.#change({ units });
   }
 
   // Turn the straightened hole. Once the user has turned it by hand, nothing else turns it.
@@ -257,6 +264,7 @@ export class View extends Settings {
       if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }
     if (this.themeChosen) parts.theme = this.theme;
+    if (this.unitsChosen) parts.units = this.units;
     const chosen = { beside: this.imagesChosen, curves: this.curvesChosen, order: false };
     for (const key of LISTS) if (this[key].length || chosen[key]) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
@@ -304,6 +312,7 @@ export class View extends Settings {
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
     this.themeChosen ||= taken.theme !== null;
+    this.unitsChosen ||= taken.units !== null;
     Object.assign(this, Object.fromEntries(Object.entries(taken).filter(([, value]) => value !== null)));
     /** @param {string} key @param {number} most */
     const listed = (key, most) => parts.get(key)?.split('~').slice(0, most) ?? [];
