@@ -62,9 +62,11 @@ OVER = """[...document.querySelectorAll('#rigBodies .note')].filter((at) => {
   return inner.top < outer.top || inner.bottom > outer.bottom || inner.right > outer.right;
 }).map((at) => at.textContent)"""
 ROWS = """[...document.querySelectorAll('#rigBodies .name')].map((at) => {
-  const values = [at.nextSibling, at.nextSibling.nextSibling, at.nextSibling.nextSibling.nextSibling];
-  const note = values[0].querySelector('.note');
-  return [at.textContent, note.textContent, ...values.map((one) => one.textContent.replace(note.textContent, ''))];
+  const text = (nodes) => [...nodes].map((one) => one.textContent.trim()).filter(Boolean).join(' ');
+  const [size, ...ways] = [at.nextSibling, at.nextSibling.nextSibling, at.nextSibling.nextSibling.nextSibling];
+  const note = size.querySelector('.note')?.textContent ?? '';
+  const numbers = [...size.childNodes].filter((one) => one.className !== 'note');
+  return [at.firstChild.textContent, note, text(numbers), ...ways.map((one) => text(one.childNodes))];
 })"""
 CELL = "(name) => ['Head', '', 'More'].map((part) => document.getElementById(name + part).textContent)"
 
@@ -105,7 +107,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         )
         assert screen.evaluate(CLIPPED) == []
         screen.evaluate("window.__wall.app.view.choose({ units: 'in' })")
-        screen.until("document.querySelector('#rigBodies .note').parentElement.textContent.includes('in')")
+        screen.until("document.querySelector('#rigBodies .size').textContent.includes('in')")
         assert screen.evaluate(OVER) == []
         screen.evaluate("window.__wall.app.view.choose({ units: 'mm' })")
         others = "no data rig: nothing for 20 s", "refused mwd: no sample was usable"
@@ -265,6 +267,76 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
             bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
         )
         screen.until(f"{digits}.startsWith('none')")  # drilled, and the sensor follows
+        screen.close()
+
+
+def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at_most(browser: Any) -> None:
+    names = "string stabiliser", "stabiliser", "near-bit", "bit"
+    bodies = [[0.213, 1.0, 20.0], [0.212, 1.0, 12.0], [0.209, 1.0, 1.0], [0.216, 0.3, 0.0]]
+    of = {"clearance": 0.003, "low": -0.001, "high": 0.007, "depth": 1010.0, "at_most": True, "short": 0.0}
+    string = {"bodies": bodies, "why": "", "bit": 1028.0, "hanging": [of | {"name": name} for name in names]}
+    ahead = {"up": None, "down": None, "bodies": ((1027.0, None), *((None, None),) * 3), "moving": "up"}
+    ahead |= {"touching": (0.213, 0.212, 0.209, 0.213), "unseen": ((None, None),) * 4}
+    of = {"severity": 3.0, "confidence": 0.9, "measured": None}
+    seat = of | {"kind": "key seat", "start": 1018.0, "stop": 1022.0, "measure": 0.012}
+    under = of | {"kind": "undergauge", "start": 1023.0, "stop": 1023.4, "measure": -0.008}
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string, "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(seat, under), zones_to=1031.0)
+        screen.until("document.querySelector('#rigWorstHead').textContent === 'Worst going up: key seat'")
+        rows = screen.evaluate(ROWS)
+        assert [row[0] for row in rows] == ["string stabiliser", "stabiliser", "near-bit", "bit"], (
+            "also the slimmer one"
+        )
+        assert {tuple(row[1:3]) for row in rows} == {("at most", "+7 mm")}, "of the interval, the upper end"
+        assert [row[3] for row in rows] == ["1.0 m", "none", "4.0 m key seat", "5.7 m key seat"]
+        assert [row[4] for row in rows] == ["10.0 m key seat", "2.0 m key seat", "none", "none"]
+        tags = "[...document.querySelectorAll('#rigBodies .name .note')].map((at) => at.textContent)"
+        assert screen.evaluate(tags) == ["at bit"]
+        assert screen.evaluate("document.querySelectorAll('#rigBodies .name')[2].textContent") == "near-bitat bit"
+        assert screen.evaluate(OVER) == []
+        assert screen.inner_text("#alarmText") == "Key seat +12 mm, 1018.0–1022.0 m", "the string passes the other zone"
+        screen.close()
+
+
+def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: Any) -> None:
+    """The wall ends at 1031 m, the bit is at 1036 m: the sensor has not reached the hole beside the stabiliser."""
+    string = {"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 2.0]], "why": "", "bit": 1036.0}
+    string["hanging"] = [{"name": "bit"}, {"name": "stabiliser"}]
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "", "touching": (0.213, 0.213)}
+    ahead["unseen"] = (((1031.2, 1036.0), None), ((1031.2, 1034.0), None))
+    digits = "document.getElementById('rigWorst').textContent"
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1036.0, "hole_depth": 1036.0, "newest": time.time(), "string": string, "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(), zones_to=1031.2)
+        screen.until(f"{digits}.startsWith('none')")
+        assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser and bit", "no heads over no rows"
+        viewer.scene.update_state(hole_depth=1050.0)  # lifted
+        screen.until(f"{digits}.startsWith('not known')")
+        screen.close()
+
+
+def test_a_page_begins_with_the_units_of_its_source_until_the_user_chooses_others(browser: Any) -> None:
+    depth = "document.getElementById('rigBit').textContent"
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(bit_depth=1020.0, hole_depth=1026.0, newest=time.time(), units="ft")
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until(f"{depth} === '3346.5 ft'")
+        assert "units" not in screen.address()
+        assert screen.evaluate("document.getElementById('units').value") == "ft"
+        screen.evaluate("window.__wall.app.view.choose({ units: 'mm' })")
+        screen.until(f"{depth} === '1020.0 m'")
+        assert "units=mm" in screen.address()
+        screen.page.reload()
+        screen.until(f"window.__wall?.ready && {depth} === '1020.0 m'")
+        viewer.scene.update_state(bit_depth=1020.5)
+        screen.until(f"{depth} === '1020.5 m'")
         screen.close()
 
 

@@ -5,7 +5,7 @@
 import { recall, remember } from './memory.js';
 import { byId } from './dom.js';
 import { late } from './late.js';
-import { showSigned, showSpan } from './units.js';
+import { showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
@@ -101,7 +101,7 @@ export class Alarms {
   texts(units) {
     const [worst, ...others] = byConsequence(this.zones);
     const more = others.length ? ` and ${others.length} more` : '';
-    return [...this.said(), ...(worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${showSpan(worst.start, worst.stop, units)}, ${sureText(worst)} sure`] : [])];
+    return [...this.said(), ...(worst ? [`New ${worst.kind}${more}: ${showSize(worst.measure, units)} ${IN_WORDS[worst.kind]} at ${showSpan(worst.start, worst.stop, units)}, ${sureText(worst)} sure`] : [])];
   }
 
   /** @param {View} view */

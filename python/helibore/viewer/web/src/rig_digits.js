@@ -4,9 +4,9 @@
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
-import { recent } from './rig.js';
-import { NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
-import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
+import { RECENT, recent } from './rig.js';
+import { isPassed, leftTo, NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
@@ -17,6 +17,7 @@ const MOVED = 0.3; // metres that the bit may have moved on since the clearances
 const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SIDES.up : SIDES.down);
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
+const STABILISER = 0.9; // of the bit: a body above the bit that is wider counts as a stabiliser
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -117,7 +118,7 @@ function writeWorst(app) {
   /** @param {FirstPlace} of */
   const kind = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
   /** @param {FirstPlace} of */
-  const size = ({ measure }) => showSigned(measure, units, units === 'mm' ? 0 : 1);
+  const size = ({ measure }) => showSize(measure, units);
   const [digits, unit] = parts(size(worst));
   const distant = next === worst ? '' : `, in ${showDepth(worst.left, units, 1)}`;
   const unsure = Number.isNaN(worst.sure);
@@ -194,54 +195,76 @@ function withIn({ low, high }, units) {
 /** @param {number} metres @param {Units} units @param {boolean} [unsure] @returns {[string, string]} */
 const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && metres <= NOW) ? parts(showDepth(Math.max(0, metres), units, 1)) : Number.isNaN(metres) ? ['–', ''] : ['now', '']);
 
-// Write a row for each of the widest bodies beside measured hole, and for that which sticks next, in the order in which they hang: what it clears now, and how far it
-// moves up or down until it sticks. If none of the widest is there, the widest that is has a row. Below them: the widest of which the hole is not measured.
+// Return how far the bit moves on one way until a body sticks, or before that meets a key seat: digits, unit and note. Hole that no
+// sensor saw and that it enters before, or alone, is named.
+/** @type {(app: App, i: number, side: number) => string[]} */
+function wayOf(app, i, side) {
+  const { view: { units }, string, ahead, bit, zones } = app;
+  const { bodies } = /** @type {RigidString} */ (string);
+  const [at, missed] = [ahead?.bodies[i]?.[side], ahead?.unseen?.[i]?.[side]];
+  /** @param {Pair} ends */
+  const left = (ends) => leftTo(bit, bodies[i], WAYS[side], ends);
+  const sticks = typeof at === 'number' ? ((bit ?? NaN) - at) * (side ? -1 : 1) : Infinity;
+  const seat = Math.min(...zones.filter(({ kind }) => kind === 'key seat').map(({ start, stop }) => left([start, stop])).filter((far) => far < RECENT));
+  const far = Math.min(sticks, seat);
+  const isHidden = missed && !(left(missed) > far);
+  if (far === Infinity) return missed ? ['–', '', `not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`] : ['none', '', ''];
+  const [digits, unit] = distance(far, units, sticks <= seat && isUnsure(app, i));
+  return [`${isHidden && unit ? '≤' : ''}${digits}`, unit, seat < sticks ? 'key seat' : ''];
+}
+
+// Return the number of the stabiliser next above the bit; -1 if there is none.
+/** @param {RigidBody[]} bodies @param {Store} store */
+const nextToBit = (bodies, { bitRadius }) => bodies.map((_, i) => i).filter((i) => bodies[i][2] > 0 && bodies[i][0] > STABILISER * 2 * bitRadius).sort((a, b) => bodies[a][2] - bodies[b][2])[0] ?? -1;
+
+// Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, and for the body that sticks next, in the order in which they
+// hang: what it clears now, and how far it moves up or down until it sticks. If none of them is there, the widest that is has a row. Below them: those of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   const { next } = placesAhead(app) ?? {};
-  const wide = bodies.map((_, i) => i).filter((i) => widest(bodies).includes(i) || (next?.tight && hanging[i]?.name === next.first)).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const near = nextToBit(bodies, store);
+  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || (next?.tight && (hanging[i]?.name === next.first || sticksNow(app, i)))).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
   const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
-  /** @type {string[][]} */
   const rows = shown.map((i) => {
     const { name = '', clearance = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
     const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
     const isStuck = !isOld && sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
-    const note = Number.isNaN(clearance) ? 'not measured' : most ? 'at most' : low === null ? 'uncertainty not known' : withIn({ low, high }, units);
+    const note = Number.isNaN(clearance) ? 'not measured' : low === null ? 'uncertainty not known' : most ? 'at most' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
-      const at = ahead?.bodies[i]?.[side];
-      if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return '–';
-      if (isStuck) return 'now'; // what lies ahead is looked for less often than what hangs here
-      const missed = ahead.unseen?.[i]?.[side];
-      const to = at === null || at === undefined || bit === null ? '' : distance((bit - at) * (side ? -1 : 1), units, isUnsure(app, i)).join(' ');
-      return missed ? (to ? `≤${to}` : `– not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`) : to || 'none';
+      if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
+      return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
     });
-    const moving = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : '';
+    const [moving] = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : [''];
     const state = isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return [state, note, name, showSigned(clearance, units, units === 'mm' ? 0 : 2), ...ways];
+    return { state, name, tag: i === near ? 'at bit' : '', values: [[...parts(showSize((most ? high : null) ?? clearance, units)), note], ...ways] };
   });
   const lacks = unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
   at.dataset.text = text;
-  at.style.setProperty('--rows', String(rows.length));
+  at.style.setProperty('--rows', String(rows.length || 1));
   /** @param {string} tag @param {string} textContent @param {string} [className] */
   const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
   const heads = ['', 'Clearance now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
-  at.replaceChildren(...heads, ...rows.flatMap(([state, note, name, ...values]) => [make('p', name, `${state} name`), ...values.map((one, i) => {
-    const [digits, unit] = parts(one);
-    const value = make('p', digits, `${i && state === 'old' ? '' : state} size${'none –'.includes(one) ? ' soft' : ''}`);
-    value.append(make('small', unit && ` ${unit}`, digits === '–' ? 'note' : ''), ...(i ? [] : [make('small', note, 'note')]));
-    return value;
-  })]), make('p', lacks, 'lacks'));
+  at.replaceChildren(...(rows.length ? heads : []), ...rows.flatMap(({ state, name, tag, values }) => {
+    const first = make('p', name, `${state} name`);
+    if (tag) first.append(make('small', tag, 'note'));
+    return [first, ...values.map(([digits, unit, note], i) => {
+      const value = make('p', digits, `${i && state === 'old' ? '' : state} size${'none –'.includes(digits) && !note ? ' soft' : ''}`);
+      if (unit) value.append(make('small', ` ${unit}`));
+      if (note) value.append(make('small', note, 'note'));
+      return value;
+    })];
+  }), make('p', lacks, 'lacks'));
 }
 
 // Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.
@@ -267,9 +290,9 @@ export function placesOf(app, whole) {
     const zone = zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
     return zone ? zoneOne(zone) : whole ? alarm : shortOf(alarm);
   });
-  const all = [...feed, ...byConsequence(alarms.zones).map(zoneOne)];
+  const all = [...feed, ...byConsequence(alarms.zones.filter((zone) => !isPassed(app, zone))).map(zoneOne)];
   /** @param {Named} of */
-  const size = ({ measure }) => showSigned(measure, units, units === 'mm' ? 0 : 1);
+  const size = ({ measure }) => showSize(measure, units);
   /** @param {Named | string} of */
   const line = (of) => (typeof of === 'string' ? of : `${of.name} ${size(of)}, ${showSpan(of.start, of.stop, units)}${whole && !Number.isNaN(of.sure) ? `, ${percent(of.sure)} sure` : ''}`);
   const places = new Map(all.flatMap((of) => (typeof of === 'object' && of.measure < 0 ? [[line(of), of]] : [])));

@@ -75,12 +75,19 @@ export function unseenAhead(app) {
   const found = unseen
     ? waysOf(app).flatMap((way) => widest(bodies).flatMap((i) => {
       const ends = unseen[i]?.[way === 'up' ? 0 : 1];
-      const lower = (bit ?? NaN) - bodies[i][2];
-      return ends ? place(ends, { left: Math.max(0, way === 'up' ? lower - bodies[i][1] - ends[1] : ends[0] - lower), first: hanging[i]?.name ?? 'string', way }) : [];
+      return ends ? place(ends, { left: leftTo(bit, bodies[i], way, ends), first: hanging[i]?.name ?? 'string', way }) : [];
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { kind: UNSEEN, start, stop })));
   const isDrilled = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED;
-  return found.filter(({ stop }) => !(isDrilled && stop > (bit ?? NaN) - LIFTED)).sort((a, b) => a.left - b.left);
+  return found.filter(({ stop }) => !(isDrilled && stop > Math.min(bit ?? NaN, app.store.span[1]))).sort((a, b) => a.left - b.left);
+}
+
+// Return how far the bit moves until a body meets a stretch of hole, metres; NaN if it is past it.
+/** @param {number | null} bit @param {RigidBody} body @param {Way} way @param {Pair} ends */
+export function leftTo(bit, [, length, position], way, [start, stop]) {
+  const lower = (bit ?? NaN) - position;
+  const [left, passed] = way === 'up' ? [lower - length - stop, start - lower] : [start - lower, lower - length - stop];
+  return passed < 0 ? Math.max(0, left) : NaN;
 }
 
 // Return what the string meets a stretch of hole with first, and how far the bit moves until then, on the shorter of the ways it may
@@ -90,12 +97,9 @@ export function meeting(app, { kind, start, stop }) {
   const { string, bit } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   const own = HOLDS.includes(kind) ? widest(bodies) : [];
-  const all = own.length ? own.map((i) => /** @type {const} */ ([...bodies[i], hanging[i]?.name ?? 'string'])) : [/** @type {const} */ ([0, 0, 0, 'bit'])];
-  const met = waysOf(app).flatMap((way) => all.flatMap(([, length, position, first]) => {
-    const lower = (bit ?? NaN) - position;
-    const [left, passed] = way === 'up' ? [lower - length - stop, start - lower] : [start - lower, lower - length - stop];
-    return passed < 0 ? [{ left: Math.max(0, left), first, way }] : [];
-  }));
+  /** @type {[RigidBody, string][]} */
+  const all = own.length ? own.map((i) => [bodies[i], hanging[i]?.name ?? 'string']) : [[[0, 0, 0], 'bit']];
+  const met = waysOf(app).flatMap((way) => all.map(([body, first]) => ({ left: leftTo(bit, body, way, [start, stop]), first, way }))).filter(({ left }) => left >= 0);
   return met.sort((a, b) => a.left - b.left)[0] ?? null;
 }
 
@@ -113,6 +117,13 @@ export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
   });
 }
 
+// Whether undergauge hole within reach is no tight place: every body of the string passes it.
+/** @param {App} app @param {Zone} zone */
+export function isPassed(app, { kind, start, stop }) {
+  const [top, bottom] = reach(app);
+  return kind === 'undergauge' && Boolean(app.ahead && app.string) && start < bottom && stop > top && !WAYS.some((way) => tightOn(app, way).some((of) => of.start < stop && start < of.stop));
+}
+
 // Return the worst place ahead, the next one that may hold the string or, before the worst, was not seen, or else the worst again, and how many tight places lie on the way of the worst; null if nothing is ahead. Tight
 // hole comes before the zones, and of them that which counts most. `most`: the string may stick earlier, in hole not seen. `sure`: the probability that the string sticks there, or that the zone is of its kind.
 /** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, count: number, most: boolean } | null} */
@@ -121,7 +132,7 @@ export function placesAhead(app) {
   const ends = reach(app);
   const ways = waysOf(app);
   const tight = ways.flatMap((way) => tightOn(app, way));
-  const others = byConsequence(zones.filter(({ start, stop }) => stop > ends[0] && start < ends[1] && !tight.some((of) => of.start < stop && start < of.stop))).flatMap((zone) => {
+  const others = byConsequence(zones.filter((zone) => zone.stop > ends[0] && zone.start < ends[1] && !isPassed(app, zone) && !tight.some((of) => of.start < zone.stop && zone.start < of.stop))).flatMap((zone) => {
     const met = meeting(app, zone);
     const { start, stop, measure, confidence: sure } = zone;
     return met || bit === null ? [/** @type {FirstPlace} */ ({ start, stop, measure, zone, sure, tight: false, ...(met ?? { left: NaN, first: 'bit', way: '' }) })] : [];

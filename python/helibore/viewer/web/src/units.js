@@ -19,6 +19,10 @@ export const showSigned = (metres, units, digits) => {
   return parseFloat(text) ? `${metres < 0 ? '−' : '+'}${text}` : text; // what rounds to nothing has no sign
 };
 
+// Return a size against the bit as it is read on the rig.
+/** @param {number} metres @param {Units} units */
+export const showSize = (metres, units) => showSigned(metres, units, units === 'mm' ? 0 : 2);
+
 /** @param {Units} units */
 export const depthUnit = (units) => LENGTHS[units].depth.unit;
 /** @param {number} metres @param {Units} units @param {number} [digits] */
