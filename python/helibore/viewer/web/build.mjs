@@ -1,5 +1,5 @@
 // Bundles the page:  node build.mjs OUT_DIR [NODE_MODULES]
-// Writes index.html, app.css, app.js, more.js (which app.js loads late), notebook.js, wells.html and wells.js, which hold this project's own sources and nothing else.
+// Writes index.html, app.css, app.js, more.js (which app.js loads late; offline_more.js for build_offline.mjs), notebook.js, wells.html and wells.js, which hold this project's own sources and nothing else.
 // The output depends on the sources and the lock file alone.
 import { createRequire } from 'node:module';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -19,6 +19,11 @@ const shaders = {
   name: 'shaders',
   setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: shortened(unindented(path)) })),
 };
+// The page without a server has no rig mode.
+const withoutRig = {
+  name: 'without rig mode',
+  setup: (build) => build.onLoad({ filter: /rig_(digits|places)\.js$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, writeDigits = 0;' })),
+};
 /** @param {string} source @param {object} kind */
 const bundled = (source, kind) => esbuild.build({
   entryPoints: [join(here, 'src', source)],
@@ -34,7 +39,9 @@ const bundled = (source, kind) => esbuild.build({
 });
 await bundled('main.js', { format: 'esm', outfile: join(out, 'app.js') });
 // Alone it defines what late.js looks for, so it may also stand before app.js in one file.
-await bundled('more.js', { format: 'iife', globalName: 'more', footer: { js: 'globalThis.more=more;' }, outfile: join(out, 'more.js') });
+const late = { format: 'iife', globalName: 'more', footer: { js: 'globalThis.more=more;' } };
+await bundled('more.js', { ...late, outfile: join(out, 'more.js') });
+await bundled('more.js', { ...late, plugins: [shaders, withoutRig], outfile: join(out, 'offline_more.js') });
 await bundled('wells.js', { format: 'esm', outfile: join(out, 'wells.js') });
 await esbuild.build({ entryPoints: [join(here, 'app.css')], minify: true, target: 'es2022', charset: 'utf8', outfile: join(out, 'app.css') });
 for (const name of ['index.html', 'wells.html']) writeFileSync(join(out, name), unindented(join(here, name)));

@@ -20,7 +20,7 @@ const hash = (/** @type {string} */ code) => `'sha256-${createHash('sha256').upd
 const packed = (/** @type {Buffer | string} */ bytes, /** @type {number} */ memLevel) => gzipSync(bytes, { level: 9, memLevel }).toString('base64');
 
 // The shipped page, as html_export.py encloses it; rig mode is hidden.
-const app = enclosable(`${read(join(page, 'more.js'))}${read(join(page, 'app.js'))}`);
+const app = enclosable(`${read(join(page, 'offline_more.js'))}${read(join(page, 'app.js'))}`);
 const script = enclosable(bundled('start.js', 'esm').trim());
 const policy = (/** @type {string[]} */ ...scripts) => `default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; script-src ${scripts.join(' ')}`;
 const [before, after] = read(join(page, 'index.html'))

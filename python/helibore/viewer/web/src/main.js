@@ -130,6 +130,7 @@ export class App {
     this.renderer.arrange();
     this.contents = exportedContents();
     this.colours = fromAddress(this, location.hash || (this.contents?.address ?? ''));
+    this.view.rig &&= !byId('rigOpen').hidden;
     this.view.followTheme(DARK.matches);
     DARK.addEventListener('change', ({ matches }) => this.view.followTheme(matches));
     window.addEventListener('hashchange', () => this.readdress());
