@@ -27,7 +27,7 @@ from helibore.logs.intervals import interval_table, outside_text, tracks_of
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import NO_UNCERTAINTY, RANGED, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
-from helibore.logs.zones import SIZES
+from helibore.logs.zones import KINDS, SIZES
 from helibore.plot.cells import in_depth_unit, in_unit, number
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.depth_scales import multiples
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from helibore.logs.cement_sheet import CementSheet
+    from helibore.logs.intervals import Interval
     from helibore.logs.stress import HorizontalStress
     from helibore.logs.zones import Classification, Zone
     from helibore.plot.content import Content
@@ -73,7 +74,8 @@ td.number, th.number { text-align: right; } td.number { white-space: nowrap; }
 tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
 thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
-#zones td:first-child { white-space: normal; }
+#zones td:first-child, #intervals td:first-child { white-space: normal; }
+#intervals table { font-size: .7rem; } #intervals th, #intervals td { padding: .25rem .15rem; }
 td.missing { background: #b0b0b0; } b.sign { display: inline-block; width: 1.3em; border: 2px solid;
   text-align: center; line-height: 1.2; print-color-adjust: exact; -webkit-print-color-adjust: exact; }
  figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
@@ -87,7 +89,7 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
   th, td, thead th, td.number { padding: .25rem .1rem; } thead th { font-size: .62rem; }
   td:first-child, #zones td:last-child { white-space: normal; } }
 @page { size: A4; margin: 12mm 0; }
-@media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
+@media print { body { margin: 0; max-width: 200mm; } nav, #pictures h2 { display: none; } tr { break-inside: avoid; }
   figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
 """
 
@@ -278,11 +280,8 @@ def _intervals(content: Content) -> str:
     found = []
     for name, intervals in sorted(tracks_of(content.wall.intervals).items(), key=lambda track: track[0] != ""):
         if not name:
-            rows = interval_table(content.state, intervals, content.zones).rows(drawing.unit)
-            filled = [at for at, cells in enumerate(zip(*rows[1:], strict=True)) if at < 4 or any(cells)]
-            head, *rest = [[row[at] for at in filled] for row in rows]
             note = "Numbers are those of the part that the log reaches; an interval without any has none."
-            found.append(f"<p>{note}</p>" + table([cell.replace("_", " ").capitalize() for cell in head], rest))
+            found.append(f"<p>{note}</p>" + table(*_formations(intervals, content)))
             continue
         outside = outside_text(intervals, content.top, content.bottom)
         found.append(f"<p>{in_html(sentence(f'{name}: {outside}'))}</p>" if outside else "")
@@ -298,6 +297,32 @@ def _intervals(content: Content) -> str:
         ]  # fmt: skip
         found.append(table(head, rows) if rows else "")
     return "".join(found)
+
+
+def _formations(intervals: Sequence[Interval], content: Content) -> tuple[list[str], list[list[str]]]:
+    """Return the head and the rows of what was measured in each formation; a column without values is left out."""
+    unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
+    kinds = [f"Wash{SOFT}out", f"Break{SOFT}out", "Key seat", f"Under{SOFT}gauge"]
+    head = ["Interval", f"Top [{depths}]", f"Bottom [{depths}]", f"Logged [{depths}]", f"Mean [{unit}]",
+            f"Least [{unit}]", f"Great{SOFT}est [{unit}]", f"In{SOFT}scribed [{unit}]", "Volume [m³]", "± [m³]",
+            "Excess [%]", f"Meas{SOFT}ured [%]", *(f"{kind} [{depths}]" for kind in kinds)]  # fmt: skip
+    rows = []
+    for of, summary, sigma in interval_table(content.state, intervals, content.zones).intervals:
+        row = [of.name, in_depth_unit(of.start, content), in_depth_unit(of.stop, content) or " "]
+        if summary is None:
+            rows.append([*row, in_depth_unit(0.0, content), *[""] * (len(head) - 4)])
+            continue
+        sizes = (summary.least_diameter, summary.greatest_diameter, summary.inscribed_diameter)
+        shaped = summary.basis == "azimuthal"
+        rows.append([
+            *row, in_depth_unit(summary.whole_turns + summary.incomplete_turns, content),
+            *(in_unit(size, content) for size in (summary.mean_diameter, *(one.value for one in sizes))),
+            number(summary.volume if summary.whole_turns else math.nan, 4), number(sigma, 4),
+            number(100 * summary.excess, 1), number(100 * summary.coverage, 1),
+            *(in_depth_unit(summary.kinds.get(kind, 0.0), content) if shaped else "" for kind in KINDS[1:]),
+        ])  # fmt: skip
+    filled = [at for at, column in enumerate(zip(*rows, strict=True)) if at < 4 or any(column)]
+    return [head[at] for at in filled], [[row[at] for at in filled] for row in rows]
 
 
 def _cement(sheet: CementSheet, content: Content) -> str:

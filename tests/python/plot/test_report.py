@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import html
 import io
 import math
@@ -268,6 +269,28 @@ def test_no_table_is_wider_than_its_page(unit: str, width: int, wall: hb.Wall, b
     shown.close()
     assert len(found) > 4
     assert max(found) <= 0
+
+
+@NEEDS_BROWSER[0]
+@NEEDS_BROWSER[1]
+@pytest.mark.parametrize("unit", ["in", "mm", "ft"])
+def test_in_print_the_table_of_formations_is_no_wider_than_a4(
+    unit: str, wall: hb.Wall, browser: Any, tmp_path: Path
+) -> None:
+    """A browser shrinks all pages to the widest thing on one, and the depth scale of the pictures is no longer true."""
+    with_tops = copy.copy(wall)
+    with_tops.intervals = [hb.Interval("Lower Draupne Formation", 2001.0, 2011.0), hb.Interval("Heather", 2011.0)]
+    report(with_tops, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
+    shown = browser.new_page(viewport={"width": round(210 / 25.4 * 96), "height": 1123})
+    shown.emulate_media(media="print")
+    shown.goto((tmp_path / "well.html").as_uri())
+    over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"
+    found = shown.evaluate(over)
+    heads = shown.evaluate("document.querySelector('#intervals thead').textContent").replace("\u00ad", "")
+    shown.close()
+    assert len(found) > 5
+    assert max(found) <= 0
+    assert {"Least", "Greatest", "Inscribed", "Washout", "Undergauge"} <= set(re.findall(r"[A-Z][a-z]+", heads))
 
 
 def test_a_tool_with_few_arms_has_its_share_of_the_turns_and_hatched_pictures() -> None:
