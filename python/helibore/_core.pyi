@@ -61,6 +61,7 @@ def fit_covariance(
     block_size: int,
     radius: float,
     spacing: float,
+    least_turn: float,
     instruction_set: str = "automatic",
 ) -> list[tuple[list[float], float]]: ...
 def calibrate(

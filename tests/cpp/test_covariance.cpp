@@ -34,7 +34,7 @@ void every_instruction_set_finds_the_same() {
     for (const std::size_t size : {20U, 64U, 75U}) {
         const Blocks blocks(size == 75 ? 1 : 3, size, 3e-4);
         const auto fitted = [&](InstructionSet level) {
-            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 0.0, level)[0].values;
+            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 0.0, 0.0, level)[0].values;
         };
         const std::vector<double> plain = fitted(InstructionSet::plain);
         CHECK(plain.size() >= 8 && plain.size() <= 12);
@@ -49,14 +49,14 @@ void every_instruction_set_finds_the_same() {
 void finds_the_noise() {
     for (const double noise : {1e-4, 3e-4, 1e-3}) {
         const Blocks blocks(4, 60, noise);
-        const std::vector<double> found = fit_covariance(blocks.columns(), 60, 0.11, 0.0)[0].values;
+        const std::vector<double> found = fit_covariance(blocks.columns(), 60, 0.11, 0.0, 0.0)[0].values;
         CHECK(found[0] == 0.11);
         CHECK(std::abs(std::sqrt(found[1]) / noise - 1.0) < 0.3);
     }
     Blocks quantised(4, 60, 1e-4);
     constexpr double step = 2e-3;
     for (double& radius : quantised.radius) radius = std::round(radius / step) * step;
-    CHECK(fit_covariance(quantised.columns(), 60, 0.11, 0.0)[0].values[1] >= 0.9999 * step * step / 48.0);
+    CHECK(fit_covariance(quantised.columns(), 60, 0.11, 0.0, 0.0)[0].values[1] >= 0.9999 * step * step / 48.0);
 }
 
 void extremes() {
@@ -66,7 +66,7 @@ void extremes() {
     for (std::size_t i = 0; i < far.depth.size(); ++i) far.depth[i] = 1e7 * std::cos(static_cast<double>(i));
     for (const Blocks* blocks : {&equal, &far, &rough}) {
         const auto size = static_cast<Index>(blocks->depth.size() / 2);
-        const auto likely = fit_covariance(blocks->columns(), size, 0.11, 0.0);
+        const auto likely = fit_covariance(blocks->columns(), size, 0.11, 0.0, 0.0);
         for (const double value : likely[0].values) CHECK(std::isfinite(value) && value > 0.0);
         double shares = 0.0;
         for (const LikelyCovariance& of : likely) shares += of.share;
@@ -76,16 +76,17 @@ void extremes() {
 
 void refused() {
     const Blocks blocks(3, 20, 1e-4);
-    const auto fitted = [&](Index size, double radius, double spacing = 0.0) {
-        return fit_covariance(blocks.columns(), size, radius, spacing);
+    const auto fitted = [&](Index size, double radius, double spacing = 0.0, double least_turn = 0.0) {
+        return fit_covariance(blocks.columns(), size, radius, spacing, least_turn);
     };
     CHECK_THROWS(InputError, "block_size = 1: must lie in 2 to 1000", fitted(1, 0.11));
     CHECK_THROWS(InputError, "samples = 60: must be whole blocks", fitted(7, 0.11));
     CHECK_THROWS(InputError, "radius = 0: must be above 0, at most 1000 m", fitted(20, 0.0));
     CHECK_THROWS(InputError, "spacing = -1: must lie in 0 to 1000 m", fitted(20, 0.11, -1.0));
+    CHECK_THROWS(InputError, "least_turn = -1: must be 0 or above", fitted(20, 0.11, 0.0, -1.0));
     Blocks torn = blocks;
     torn.radius[17] = std::numeric_limits<double>::quiet_NaN();
-    CHECK_THROWS(InputError, "radius[17] = nan: must be finite", fit_covariance(torn.columns(), 20, 0.11, 0.0));
+    CHECK_THROWS(InputError, "radius[17] = nan: must be finite", fit_covariance(torn.columns(), 20, 0.11, 0.0, 0.0));
 }
 
 }  // namespace

@@ -18,11 +18,12 @@ struct LikelyCovariance {
 // maximise the mean over the blocks of the restricted likelihood, with weak priors. The noise variance of quantised
 // radii is at least step^2 / 48. The long term is not much shorter along the hole than `spacing`, the typical distance
 // between samples in metres: it would be noise. The first has the greatest likelihood; if it has no turn only because
-// the samples do not show which, others with turns follow.
+// the samples do not show which, others with turns follow. A turn that is slower than `least_turn`, degrees a metre,
+// does not count; with infinity none is sought, nor a fine term.
 //
 // Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
-                                             double spacing,
+                                             double spacing, double least_turn,
                                              InstructionSet instruction_set = InstructionSet::automatic);
 
 }  // namespace helibore

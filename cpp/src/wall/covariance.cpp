@@ -48,11 +48,10 @@ constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
 constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, small_gain = 2.5, great_gain = 10.0;
 constexpr double usual_turn = 4.0;  // degrees a metre: a shape that turns by so much more is 1 / e as likely
 constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
-constexpr std::size_t most_peaks = 6;               // that are climbed
-constexpr double same_depth = 0.5, same_arm = 0.7;  // metres; mean cosine
-constexpr std::size_t long_along = 5;               // index of the length along the hole of the long term
-constexpr double least_share = 0.7;                 // of the spacing of samples: the long term along the hole
-constexpr double enough = 0.003;                    // nats a block; a smaller gain ends the search
+constexpr std::size_t most_peaks = 6;  // that are climbed
+constexpr std::size_t long_along = 5;  // index of the length along the hole of the long term
+constexpr double least_share = 0.7;    // of the spacing of samples: the long term along the hole
+constexpr double enough = 0.003;       // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -87,7 +86,7 @@ struct Turns {
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
-    Place best(double spacing);
+    Place best(double spacing, double least_turn);
     // After best(), if that found no turn: it, and the places with turns that are about as likely, by half of the
     // blocks.
     const std::vector<Place>& likely() const { return likely_; }
@@ -96,13 +95,12 @@ class Fit {
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
     Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
     Place likeliest_start(const Limits& limits);
-    Place near_turn(const Place& start, const Limits& limits, double step);
-    Place at_turn(const Parameters& at, double turn, std::span<const double> along);
+    Place near_turn(const Place& start, const Limits& limits, double step, std::size_t nth);
+    Place at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth);
     std::vector<Place> peaks(const Parameters& at, Turns turns, const Limits& limits);
-    Place with_turn(const Place& found, const Limits& limits);
+    Place with_turn(const Place& found, const Limits& limits, double least_turn);
     Place with_fine(const Place& found, const Limits& limits);
     double row_spacing() const;
-    bool fewer_than_four_arms() const;
     void turn_by(double turn);
 
     kernel::BlockLikelihood likelihood_;
@@ -270,27 +268,28 @@ Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, 
     return now;
 }
 
-// Returns the place with this turn, and with the likeliest of these lengths along the hole, by half of the blocks.
-Place Fit::at_turn(const Parameters& at, double turn, std::span<const double> along) {
+// Returns the place with this turn, and with the likeliest of these lengths along the hole, by every nth block.
+Place Fit::at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth) {
     turn_by(turn);
     Place best{at, few, never, turn}, each = best;
     for (const double length : along) {
         each.at[long_along] = logarithm(length);
-        each.value = evaluate(each.at, few, 2, false);
+        each.value = evaluate(each.at, few, nth, false);
         if (each.value > best.value) best = each;
     }
     return best;
 }
 
-// Returns the likeliest parameters and turn near a place, by half of the blocks; the turn within twice the step. The
+// Returns the likeliest parameters and turn near a place, by every nth block; the turn within twice the step. The
 // nearer the turn is, the longer is the shape along the hole.
-Place Fit::near_turn(const Place& start, const Limits& limits, double step) {
+Place Fit::near_turn(const Place& start, const Limits& limits, double step, std::size_t nth) {
     turn_by(start.turn);
-    Place now = climb(start.at, few, limits, 2, 8);
+    Place now = climb(start.at, few, limits, nth, 8);
     now.turn = start.turn;
     for (; step > 0.05; step *= 0.5) {
         const double along = exponential(now.at[long_along]), lengths[] = {along, 2.0 * along};
-        const Place less = at_turn(now.at, now.turn - step, lengths), more = at_turn(now.at, now.turn + step, lengths);
+        const Place less = at_turn(now.at, now.turn - step, lengths, nth),
+                    more = at_turn(now.at, now.turn + step, lengths, nth);
         const Place& nearer = less.value > more.value ? less : more;
         if (nearer.value > now.value) now = nearer;
     }
@@ -303,14 +302,14 @@ Place Fit::near_turn(const Place& start, const Limits& limits, double step) {
 std::vector<Place> Fit::peaks(const Parameters& at, Turns turns, const Limits& limits) {
     std::vector<Place> tried, found;
     for (double turn = turns.from; turn <= turns.to; turn += turns.step)
-        tried.push_back(at_turn(at, turn, turns.along));
+        tried.push_back(at_turn(at, turn, turns.along, 2));
     for (std::size_t i = 0; i < tried.size(); ++i)
         if ((i == 0 || tried[i - 1].value < tried[i].value) &&
             (i + 1 == tried.size() || tried[i + 1].value <= tried[i].value))
             found.push_back(tried[i]);
     std::ranges::sort(found, std::greater{}, &Place::value);
     found.resize(std::min(found.size(), most_peaks));
-    for (Place& each : found) each = near_turn(each, limits, turns.step / 2.0);
+    for (Place& each : found) each = near_turn(each, limits, turns.step / 2.0, 2);
     return found;
 }
 
@@ -330,26 +329,9 @@ double Fit::row_spacing() const {
     return least;
 }
 
-// Returns whether samples near in depth lie as those of one, two or three arms. To three, an oval that turns slowly
-// looks like a circle off centre that turns the other way, twice as fast.
-bool Fit::fewer_than_four_arms() const {
-    double sums[3] = {}, pairs = 0.0;
-    for (std::size_t b = 0; b < blocks_; ++b)
-        for (std::size_t i = b * size_; i < b * size_ + n_; ++i)
-            for (std::size_t j = b * size_; j < i; ++j) {
-                if (std::abs(columns_[2][i] - columns_[2][j]) > same_depth) continue;
-                pairs += 1.0;
-                for (std::size_t q = 0; q < 3; ++q) {
-                    const double turn = wrap_toolface(static_cast<double>(q + 1) * (toolface_[i] - toolface_[j]));
-                    sums[q] += sine_cosine_of_radians(turn * (std::numbers::pi / 180.0)).cosine;
-                }
-            }
-    return std::ranges::max(sums) > same_arm * pairs;
-}
-
 // Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
 // whereto. The positions are then turned so.
-Place Fit::with_turn(const Place& found, const Limits& limits) {
+Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn) {
     Parameters wide = found.at;
     wide[long_along - 1] = logarithm(2.0 * radius_);
     wide[noise] = std::max(wide[noise], wide[long_along - 2] + logarithm(0.02));
@@ -372,13 +354,18 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
         best = *spiral;
         likely.insert(likely.end(), spirals.begin(), spirals.end());
     }
-    turn_by(best.turn);
-    Place turned = climb(best.at, few, limits, 1, 20);
-    turned.turn = best.turn;
-    const bool alone = std::ranges::none_of(likely, [&](const Place& each) {
-        return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - gain;
-    });
-    if (!alone || (std::abs(best.turn) < 4.0 * slow && fewer_than_four_arms()) || turned.value <= found.value + gain) {
+    bool turns = std::abs(best.turn) >= least_turn && std::ranges::none_of(likely, [&](const Place& each) {
+                     return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - gain;
+                 });
+    Place turned{found.at, few};
+    if (turns) {
+        turned.turn = near_turn(near_turn(best, limits, 0.5, 1), limits, 0.2, 1).turn;
+        turn_by(turned.turn);
+        const Place climbed = climb(best.at, few, limits, 1, 20);
+        turned.at = climbed.at, turned.value = climbed.value;
+        turns = turned.value > found.value + gain;
+    }
+    if (!turns) {
         turn_by(0.0);
         Place unturned = found;
         unturned.value = evaluate(found.at, few, 2, false);
@@ -395,8 +382,12 @@ Place Fit::with_turn(const Place& found, const Limits& limits) {
         }
         return found;
     }
+    turn_by(0.0);
+    const Place straight = climb(turned.at, few, limits, 1, 20);  // the starts of `found` may have missed it
+    if (turned.value <= straight.value + gain) return straight.value > found.value ? straight : found;
+    turn_by(turned.turn);
     Place again = climb(likeliest_start(limits).at, few, limits, 1, 20);
-    again.turn = best.turn;
+    again.turn = turned.turn;
     return again.value > turned.value ? again : turned;
 }
 
@@ -432,7 +423,7 @@ Place Fit::likeliest_start(const Limits& limits) {
     return best;
 }
 
-Place Fit::best(double spacing) {
+Place Fit::best(double spacing, double least_turn) {
     const double r = radius_;
     Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
                    1e-12, 0.003, 0.006},
@@ -441,26 +432,28 @@ Place Fit::best(double spacing) {
         limits.low[p] = logarithm(limits.low[p]);
         limits.high[p] = logarithm(limits.high[p]);
     }
-    const Place start = likeliest_start(limits);
-    const Place two = with_turn(climb(start.at, few, limits, 1, 20), limits), three = with_fine(two, limits);
+    const Place unturned = climb(likeliest_start(limits).at, few, limits, 1, 20);
+    if (least_turn == std::numeric_limits<double>::infinity()) return unturned;
+    const Place two = with_turn(unturned, limits, least_turn), three = with_fine(two, limits);
     return three.value > two.value + fine_gain ? three : two;
 }
 
 }  // namespace
 
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
-                                             double spacing, InstructionSet instruction_set) {
+                                             double spacing, double least_turn, InstructionSet instruction_set) {
     const StandardArithmetic standard;
     require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
     require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
+    require(least_turn >= 0.0, "least_turn", least_turn, "must be 0 or above");
     const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
     const SampleColumns from{columns[0], columns[1], columns[2]};
     from.validate(1);
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
-    std::vector<Place> places{fit.best(spacing)};
+    std::vector<Place> places{fit.best(spacing, least_turn)};
     if (fit.likely().size() > 1) places.insert(places.end(), fit.likely().begin() + 1, fit.likely().end());
     std::vector<LikelyCovariance> found;
     double shares = 0.0;

@@ -24,6 +24,7 @@ class WallSettings(TypedDict, total=False):
     kriging_range: float | None
     nugget: float
     covariance: tuple[float, ...] | None
+    other_turns: tuple[float, ...] | None
     arm_biases: tuple[float, ...] | None
     sigma: bool
     direct: bool

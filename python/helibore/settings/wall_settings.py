@@ -31,6 +31,7 @@ BIASES = Rule(
     "must have 1 to 256 numbers of -0.1 to 0.1 m",
     lambda values: 1 <= len(values) <= 256 and all(-0.1 <= of <= 0.1 for of in values),
 )
+TURNS = Rule("must have ten numbers for each turn", lambda values: len(values) > 0 and len(values) % 10 == 0)
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 
@@ -104,6 +105,10 @@ class Settings(Declared, group="wall"):
         "shape turns along the hole, by how many degrees a metre. The covariance of two radii is the sum over the "
         "terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / along)^2) and chord = 2 R "
         "sin(turned / 2), where turned = toolface difference - turn * depth difference. None: not known.",
+    ] = None  # fmt: skip
+    other_turns: Annotated[tuple[float, ...] | None, TURNS,
+        "Other turns of the shape that the samples leave about as likely as ``covariance``: for each its share of the "
+        "probability and its covariance, ten numbers. `Wall.sigma` counts with them. 'automatic' finds them.",
     ] = None  # fmt: skip
     arm_biases: Annotated[tuple[float, ...] | None, BIASES,
         "How much the radii of the tool's arms 0, 1, ... are too large (m). `Wall.append` subtracts it from samples "

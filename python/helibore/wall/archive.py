@@ -156,7 +156,7 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
 
 def _settings(settings: Settings) -> dict[str, Any]:
     """Return the settings by name, without later ones that are not set: an archive older than they keeps its bytes."""
-    later = ("covariance", "arm_biases")
+    later = ("covariance", "other_turns", "arm_biases")
     return {name: value for name, value in asdict(settings).items() if name not in later or value is not None}
 
 

@@ -98,9 +98,11 @@ def remaining_products(samples: Columns, arms: Caliper | None, settings: Setting
     return arm, covariance + np.outer(off, off)
 
 
-def found_biases(caliper: Caliper, covariance: Covariance) -> tuple[float, ...] | None:
+def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tuple[float, ...] | None:
     """Return the biases for `Settings.arm_biases`; None if all are small, or if there are not several
     arms with numbers from 0 to 255.
+
+    ``covariance`` is that of the samples without biases; None: it is fitted too, as if the shape did not turn.
     """
     if caliper.arm is None:
         return None
@@ -111,11 +113,14 @@ def found_biases(caliper: Caliper, covariance: Covariance) -> tuple[float, ...] 
     samples = in_depth_order(caliper)
     biases = np.zeros(numbers.size)
     for _round in range(_ROUNDS):  # a covariance takes great biases for shape
-        before, (biases, _) = biases, find_biases(samples, arm, covariance)
-        if np.abs(biases - before).max() <= np.sqrt(covariance.noise):
+        less = samples[0], samples[1], samples[2] - biases[arm]
+        found = covariance or fit_covariance(less, turning=False)
+        if found is None:
             break
-        covariance = fit_covariance((samples[0], samples[1], samples[2] - biases[arm])) or covariance
-    if np.abs(biases).max() <= _SMALL * np.sqrt(covariance.noise):
+        before, (biases, _) = biases, find_biases(samples, arm, found)
+        if covariance or np.abs(biases - before).max() <= np.sqrt(found.noise):
+            break
+    if found is None or np.abs(biases).max() <= _SMALL * np.sqrt(found.noise):
         return None
     by_number = np.zeros(int(numbers[-1]) + 1)
     by_number[numbers] = np.round(biases, 7)

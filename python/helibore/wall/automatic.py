@@ -20,11 +20,12 @@ from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.arm_biases import found_biases, without_biases
-from helibore.wall.continuation import spread_gaps
-from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, covariance_of, fit_covariance
+from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
+from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, covariance_of, likely_covariances
 from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
 from helibore.wall.near_and_far import Place, Places, estimate_near_and_far
 from helibore.wall.tuning import errors_and_gains, tuning_with
+from helibore.wall.uncertainty import with_gaps_of_shape
 
 CERTAIN = 1.0
 """Standard errors by which near and far neighbours must be better at samples that are left out."""
@@ -100,20 +101,29 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
         return Choice(simple, {}, reason="no caliper measured around the hole")
     if settings.window is not None:
         return Choice(simple, {}, reason="the settings have a window")
+    seeks = settings.arm_biases is None
+    if seeks:
+        settings = replace(settings, arm_biases=found_biases(caliper))
     samples = in_depth_order(without_biases(caliper, settings))
     if samples[0].size < FEWEST:
         return Choice(simple, {}, reason=f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
-    covariance = fit_covariance(samples)
-    if covariance is None:
+    likely = likely_covariances(samples)
+    if not likely:
         return Choice(simple, {}, reason="all radii are equal")
-    if settings.arm_biases is None and (biases := found_biases(caliper, covariance)) is not None:
-        return choose(caliper, replace(settings, arm_biases=biases))
+    covariance = likely[0][0]
+    if seeks and settings.arm_biases:
+        settings = replace(settings, arm_biases=found_biases(caliper, covariance))
+        samples = in_depth_order(without_biases(caliper, settings))
+    if leaves_most_unmeasured(samples, settings):
+        others = tuple(value for of, share in likely[1:] for value in (share, *of.values))
+        settings = replace(settings, other_turns=others or None)
+    simple = replace(settings, estimator="inverse-distance", other_turns=None)
     full, seed = near_and_far(covariance, settings), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
         if _open_share(boxes) <= MOST_OPEN:
             return _by_samples_left_out(samples, rows, boxes, simple, full, seed)
-    places, known = _known_places(samples, covariance, settings)
+    places, known = _known_places(samples, full)
     of_simple = _inverse_distance(samples, covariance, simple, places)
     of_full = _root(Places(samples, covariance, NEIGHBORS, _limit(full)).estimates(places)[:, 1])
     errors = {"inverse-distance": of_simple, "near-and-far": of_full} if np.isfinite(of_simple + of_full) else {}
@@ -165,11 +175,12 @@ def _root(squares: Floats) -> float:
     return float(np.sqrt(known.mean())) if known.size else np.inf
 
 
-def _known_places(samples: Columns, covariance: Covariance, settings: Settings) -> tuple[list[Place], float]:
+def _known_places(samples: Columns, settings: Settings) -> tuple[list[Place], float]:
     """Return random places of the wall where an arm saw it, and their share of all places."""
-    spread, gaps = spread_gaps(samples, settings, covariance.gap_reach)
+    rules = with_gaps_of_shape(samples, settings)
+    spread, gaps = spread_gaps(samples, settings, rules.gap_reach)
     chosen = np.random.default_rng(content_seed(samples)).choice(gaps.size, min(_PLACES, gaps.size), replace=False)
-    known = chosen[gaps[chosen] <= settings.largest_gap]
+    known = chosen[gaps[chosen] <= rules.largest_gap]
     places = zip(spread.depth(known).tolist(), spread.toolface(known).tolist(), strict=True)
     return list(places), known.size / chosen.size
 

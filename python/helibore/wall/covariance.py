@@ -38,7 +38,11 @@ _BLOCKS, _BLOCK_SIZE = 12, 64
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
 _ROOT3 = float(np.sqrt(3.0))
 _PLACES = 100
-_SAME_ARMS = 0.7  # mean cosine, as in `covariance.cpp`
+_SAME_ARMS = 0.7  # mean cosine
+_SAME_DEPTH = 0.5  # metres
+_LEAST_TURN = 120.0
+"""Degrees a metre: one to three arms do not show a slower turn. To three, an oval that turns slowly looks like a circle
+off centre that turns the other way, twice as fast."""
 _SEEDING = 100_000  # samples
 
 
@@ -96,19 +100,21 @@ def content_seed(samples: Columns) -> int:
     return int.from_bytes(content.digest()[:8], "little")
 
 
-def fit_covariance(samples: Columns) -> Covariance | None:
+def fit_covariance(samples: Columns, turning: bool = True) -> Covariance | None:
     """Fit the covariance to samples in order of depth; None if there are fewer than `FEWEST`, or all radii are equal.
 
-    If the radii are quantised, the noise is at least step^2 / 48.
+    If the radii are quantised, the noise is at least step^2 / 48. Without ``turning``, neither a turn nor a fine term
+    is sought, which takes a fifth of the time.
     """
-    likely = likely_covariances(samples)
+    likely = likely_covariances(samples, turning)
     return likely[0][0] if likely else None
 
 
-def likely_covariances(samples: Columns) -> list[tuple[Covariance, float]]:
+def likely_covariances(samples: Columns, turning: bool = True) -> list[tuple[Covariance, float]]:
     """Return the fitted covariance, and those with other turns that the samples leave about as likely, with shares.
 
-    [] as for `fit_covariance`; the shares are those of probability. Few arms that do not cross leave several turns.
+    As `fit_covariance`, [] for None; the shares are those of probability. Few arms that do not cross leave several
+    turns.
     """
     depth, toolface, radius = samples
     if depth.size < FEWEST or float(np.ptp(radius)) < 1e-9:
@@ -117,20 +123,21 @@ def likely_covariances(samples: Columns) -> list[tuple[Covariance, float]]:
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
-    found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing)
+    least_turn = np.inf if not turning else 0.0 if shows_around(samples, _SAME_DEPTH) else _LEAST_TURN
+    found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing, least_turn)
     return [(covariance_of(values), share) for values, share in found]
 
 
-def shows_around(samples: Columns, covariance: Covariance) -> bool:
-    """Return whether samples show how the shape changes around the hole.
+def shows_around(samples: Columns, reach: float) -> bool:
+    """Return whether samples within ``reach`` of each other along the hole show how the shape changes around it.
 
-    They do not if those within `Covariance.gap_reach` of each other lie as those of one, two or three arms: how alike
-    their radii are then follows from the length along the hole and from that around it alike.
+    They do not if they lie as those of one, two or three arms: how alike their radii are then follows from the length
+    along the hole and from that around it alike.
     """
     depth, toolface, _ = samples
     sums, pairs = np.zeros(3), 0
     for at in depth[spread(depth.size, _PLACES)]:
-        low, high = np.searchsorted(depth, [at - 0.5 * covariance.gap_reach, at + 0.5 * covariance.gap_reach])
+        low, high = np.searchsorted(depth, [at - 0.5 * reach, at + 0.5 * reach])
         near = np.radians(toolface[low + spread(high - low, _BLOCK_SIZE)])
         for arms in range(3):
             sums[arms] += np.abs(np.exp(1j * (arms + 1) * near).sum()) ** 2 - near.size

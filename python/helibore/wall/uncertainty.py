@@ -105,45 +105,45 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
     from helibore.wall.arm_biases import arm_shares, remaining_products
-    from helibore.wall.continuation import leaves_most_unmeasured
-    from helibore.wall.covariance import covariance_of, shows_around
 
-    covariance = covariance_of(wall.settings.covariance or ())
-    variance = near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0]
-    if covariance.turn == 0.0 and leaves_most_unmeasured(samples, wall.settings):
-        variance = _with_other_turns(wall, variance, threads)
+    variance = _with_other_turns(wall, near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0], threads)
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
         arm, products = remaining
         shares = arm_shares(wall.sample_columns, arm, wall.settings, threads)
         variance += np.einsum("in,ij,jn->n", shares, products, shares)
     sigma: Floats = np.sqrt(variance)
-    around = np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius)
-    if covariance.turn == 0.0 and around < wall.settings.largest_gap:
-        wall = replace(wall, settings=replace(wall.settings, largest_gap=float(around)))
-    sigma[_unmeasured(wall.along_shape if shows_around(samples, covariance) else wall)] = np.nan
+    sigma[_unmeasured(replace(wall, settings=with_gaps_of_shape(samples, wall.settings)))] = np.nan
     return sigma
 
 
-def _with_other_turns(wall: WallColumns, variance: Floats, threads: int) -> Floats:
-    """Return the variance of the radii about those of a wall without a turn if the shape may as well turn.
+def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:
+    """Return the settings with the ``gap_reach`` and ``largest_gap`` for near and far neighbours.
 
-    Each turn that the samples leave likely gives a wall.
+    `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known.
     """
-    from helibore.wall.covariance import likely_covariances
+    from helibore.wall.covariance import covariance_of, shows_around
 
-    depth, toolface, radius = wall.sample_columns[:3]
-    total, left = np.zeros(variance.size), 1.0
-    for covariance, share in likely_covariances((depth, toolface, radius)):
-        if covariance.turn == 0.0:
-            continue
-        settings = replace(wall.settings, covariance=covariance.values, sigma=True, direct=False)
+    covariance = covariance_of(settings.covariance or ())
+    around = float(np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius))
+    reach = covariance.gap_reach if shows_around(samples, covariance.gap_reach) else settings.gap_reach
+    most = settings.largest_gap if covariance.turn else min(settings.largest_gap, around)
+    return replace(settings, gap_reach=reach, largest_gap=most)
+
+
+def _with_other_turns(wall: WallColumns, variance: Floats, threads: int) -> Floats:
+    """Return the variance of the radii about those of a wall if its shape may as well have other turns.
+
+    Each of these gives a wall.
+    """
+    others = np.reshape(wall.settings.other_turns or (), (-1, 10))
+    total: Floats = (1.0 - others[:, 0].sum()) * variance
+    for share, *covariance in others.tolist():
+        settings = replace(wall.settings, covariance=tuple(covariance), sigma=True, direct=False)
         other = _core.Wall(vars(settings), threads, "automatic")
         other.append(*wall.sample_columns)
         total += share * (np.square(other.radius() - wall.radius) + other.sums()[0])
-        left -= share
-    found: Floats = total + left * variance
-    return found
+    return total
 
 
 def arm_sigma(wall: WallColumns) -> float:

@@ -46,6 +46,7 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 def vars_of(wall: hb.Wall) -> dict[str, Any]:
     apart = (
         "covariance",
+        "other_turns",
         "arm_biases",
         "direct",
         "sigma",

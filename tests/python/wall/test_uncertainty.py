@@ -105,13 +105,25 @@ def test_arms_that_leave_several_turns_possible_are_not_sure() -> None:
     """Two passes of two arms see a breakout that turns by 8 degrees a metre as one that does not turn."""
     wall, error = by_arms([10.0, 190.0, 75.0, 255.0], 3.0, 8.0)
     likely = likely_covariances(in_depth_order(wall.samples))
-    assert len(likely) > 1
     assert sum(share for _, share in likely) == pytest.approx(1.0)
+    others = [value for of, share in likely[1:] for value in (share, *of.values)]
+    assert wall.settings.other_turns == tuple(others) != ()
     sigma = wall.sigma
     known = np.isfinite(sigma)
     assert known.mean() > 0.4
     assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.85
     assert np.max(error) > 5e-3
+    sure = hb.reconstruct(wall.samples, **vars(replace(wall.settings, other_turns=None)))
+    np.testing.assert_array_equal(sure.radius, wall.radius)
+    assert np.mean(sure.sigma[known]) < 0.7 * np.mean(sigma[known])
+    again = hb.reconstruct(wall.samples, **vars(wall.settings))
+    np.testing.assert_array_equal(again.sigma, sigma)
+
+
+@pytest.mark.parametrize("turns", [(), (0.5,) * 9])
+def test_other_turns_without_ten_numbers_each_are_refused(turns: tuple[float, ...]) -> None:
+    with pytest.raises(hb.InputError, match=r"other_turns = .*: must have ten numbers for each turn"):
+        hb.Settings(bit_diameter=BIT, other_turns=turns)
 
 
 def test_a_gap_that_may_hide_a_breakout_has_none() -> None:
