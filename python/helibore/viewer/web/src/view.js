@@ -71,7 +71,7 @@ export class View extends Settings {
   imagesChosen = false; // by the address or the user
   sized = false; // whether the address, or the first wall of the page, has set how long the section is
   themeChosen = false; // by the address or the user; if not, the theme is that of the machine
-  unitsChosen = false; // by the address or the user; if not, the units are those of the source
+  unitsChosen = false; // by the address, a template or the user; if not, the units are those of the source
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   curvesChosen = false; // by the address or the user
@@ -100,6 +100,7 @@ export class View extends Settings {
   /** @param {Partial<View>} changes */
   #change(changes) {
     const names = /** @type {(keyof View)[]} */ (Object.keys(changes)).filter((name) => this[name] !== changes[name]);
+    this.unitsChosen ||= 'units' in changes;
     Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
     if (names.every((name) => INK.includes(name))) this.redraw();
     else this.repaint();
@@ -108,7 +109,7 @@ export class View extends Settings {
   // Choose settings: units, theme, what is coloured, exaggerations ...
   /** @param {Partial<Settings>} settings */
   choose(settings) {
-    this.#change({ ...settings, ...(settings.theme ? { themeChosen: true } : {}), ...(settings.units ? { unitsChosen: true } : {}) });
+    this.#change({ ...settings, ...(settings.theme ? { themeChosen: true } : {}) });
   }
 
   toggleTheme() {
@@ -124,7 +125,9 @@ export class View extends Settings {
   // Take the units of the source, unless some were chosen.
   /** @param {Units} units */
   followUnits(units) {
-    if (!this.unitsChosen) this.#change({ units });
+    if (this.unitsChosen || units === this.units) return;
+    this.#change({ units });
+    this.unitsChosen = false;
   }
 
   // Turn the straightened hole. Once the user has turned it by hand, nothing else turns it.
