@@ -228,10 +228,13 @@ def six_arms(turn: float, rate: float) -> hb.Caliper:
 
 @pytest.mark.parametrize(("turn", "rate"), [(0.0, 3.0), (8.0, 3.0), (-5.4, 0.0), (13.7, -7.0), (25.0, 12.0)])
 def test_the_turn_of_a_breakout_along_the_hole_is_found(turn: float, rate: float) -> None:
-    found = fit_covariance(in_depth_order(six_arms(turn, rate)))
+    samples = in_depth_order(six_arms(turn, rate))
+    found, unturned = fit_covariance(samples), fit_covariance(samples, turning=False)
     assert found is not None
-    assert found.turn == pytest.approx(turn, abs=0.3)
+    assert unturned is not None
+    assert found.turn == pytest.approx(turn, abs=0.15)
     assert found.turn == 0.0 or found.terms[1].along > 10.0
+    assert (unturned.turn, len(unturned.terms)) == (0.0, 2)
 
 
 def test_a_turn_is_not_one_under_which_fixed_arms_see_twice_as_many_breakouts() -> None:
