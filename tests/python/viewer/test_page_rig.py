@@ -298,6 +298,10 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
         assert screen.evaluate(tags) == ["at bit"]
         assert screen.evaluate("document.querySelectorAll('#rigBodies .name')[2].textContent") == "near-bitat bit"
         assert screen.evaluate(OVER) == []
+        wide = [one | {"high": 0.18} if one["name"] == "bit" else one for one in string["hanging"]]
+        viewer.scene.update_state(string=string | {"hanging": wide})
+        screen.until("document.querySelector('#rigBodies').textContent.includes('not measured')")
+        assert screen.evaluate(ROWS)[3][1:3] == ["not measured", "–"], "no sample is beside it"
         assert screen.inner_text("#alarmText") == "Key seat +12 mm, 1018.0–1022.0 m", "the string passes the other zone"
         screen.close()
 

@@ -17,6 +17,7 @@ const MOVED = 0.3; // metres that the bit may have moved on since the clearances
 const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SIDES.up : SIDES.down);
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
+const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothing
 const STABILISER = 0.9; // of the bit: a body above the bit that is wider counts as a stabiliser
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
@@ -232,7 +233,9 @@ function writeBodies(app) {
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
   const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
   const rows = shown.map((i) => {
-    const { name = '', clearance = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
+    const { name = '', clearance: found = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
+    const bound = (most ? high : null) ?? found;
+    const clearance = most && bound > WIDE ? NaN : bound;
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
     const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
     const isStuck = !isOld && sticksNow(app, i);
@@ -244,7 +247,7 @@ function writeBodies(app) {
     });
     const [moving] = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : [''];
     const state = isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return { state, name, tag: i === near ? 'at bit' : '', values: [[...parts(showSize((most ? high : null) ?? clearance, units)), note], ...ways] };
+    return { state, name, tag: i === near ? 'at bit' : '', values: [[...parts(showSize(clearance, units)), note], ...ways] };
   });
   const lacks = unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
