@@ -109,11 +109,12 @@ function casings(ink, { view }, rect, pipes, palette) {
   for (const [name, start, stop, , diameter = 0] of shown) {
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop ?? Infinity))];
     const y = b < bottom - 2 * LINE ? b + 9 : (a + b) / 2;
-    /** @type {Pair[]} */
-    const near = [0, 1, 2, 3, 4].map((row) => [0, 2 * LINE * row]);
     ink.font = SMALL_BOLD;
-    label(ink, fitting(ink, [name], rect.width - 4), middle, y, { colour: palette.ink, halo: palette.panel, align: 'center', font: SMALL_BOLD, near, yields: true });
-    label(ink, sizeText(diameter, view.units).split(' ')[0], middle, y + LINE, { colour: palette.soft, halo: palette.panel, align: 'center', font: SMALL, near, yields: true });
+    const lines = inLines(ink, name, rect.width - 4).slice(0, 2);
+    /** @type {Pair[]} */
+    const near = [0, 1, 2, 3, 4].map((row) => [0, (lines.length + 1) * LINE * row]);
+    lines.forEach((text, row) => label(ink, fitting(ink, [text], rect.width - 4), middle, y + LINE * row, { colour: palette.ink, halo: palette.panel, align: 'center', font: SMALL_BOLD, near, yields: true }));
+    label(ink, sizeText(diameter, view.units).split(' ')[0], middle, y + LINE * lines.length, { colour: palette.soft, halo: palette.panel, align: 'center', font: SMALL, near, yields: true });
   }
 }
 
@@ -178,10 +179,12 @@ function drawShoes(ink, look, gpu) {
     if (stop > view.bottom) continue;
     const ring = Array.from({ length: 49 }, (_, i) => gpu.project({ centre: wallPoint(path, { depth: stop, toolface: 7.5 * i, radius }) }, rect));
     stroke(ink, ring, palette.ink, 3);
-    const at = ring.reduce((right, point) => (point && (!right || point[0] > right[0]) ? point : right), null);
+    const axis = view.camera === 'outside' ? 0 : 1; // the name stands at the right of the ring or, from inside, below it
+    const at = ring.reduce((far, point) => (point && (!far || point[axis] > far[axis]) ? point : far), null);
     const text = `shoe ${one[0]}, ${sizeText(one[4], view.units)}`;
     ink.font = SMALL_BOLD;
-    if (at) label(ink, text, Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, LINE], [0, -LINE]], yields: true });
+    if (axis && at && at[1] < rect.top + rect.height - 4 * LINE) label(ink, text, at[0], at[1] + LINE, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, align: 'center', yields: true });
+    else if (!axis && at) label(ink, text, Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, LINE], [0, -LINE]], yields: true });
   }
 }
 

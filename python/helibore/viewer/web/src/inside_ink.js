@@ -106,8 +106,8 @@ function ring(ink, at, colour, wide = 1) {
   let drawing = false;
   for (let toolface = 0; toolface <= 360; toolface += 6) {
     const point = at(toolface);
-    if (point && point[1] > HEAD) ink[drawing ? 'lineTo' : 'moveTo'](...point);
-    drawing = Boolean(point && point[1] > HEAD);
+    if (point) ink[drawing ? 'lineTo' : 'moveTo'](...point);
+    drawing = point !== null;
   }
   ink.strokeStyle = colour;
   ink.globalAlpha = wide > 1 ? 1 : 0.55;

@@ -320,7 +320,7 @@ void main() {
   int col = min(int(across), K - 1);
   float turn = turnAt(at.y, across);
   int row = int(floor(turn));
-  float slack = 1e-3 + perPixel / 32.0; // the GPU rounds corners to parts of a pixel: a pixel on the seam then belongs to at least one tile
+  float slack = 1e-3 + perPixel / 8.0; // the GPU rounds corners to parts of a pixel: a pixel on the seam then belongs to at least one tile
   if (row < 0 && turn > -slack) row = 0;
   if (row >= rows && turn < float(rows) + slack) row = rows - 1;
   if (row < 0 || row >= rows || row * K + col + (rings ? 0 : K + 1) >= size) discard; // in a neighbouring tile, or not drilled yet

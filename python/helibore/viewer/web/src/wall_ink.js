@@ -26,7 +26,8 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const tube = view.tubeFactor(store);
   ink.save();
   ink.beginPath();
-  ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
+  const top = view.camera === 'outside' ? HEAD : 0;
+  ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
   else drawInsideInk(ink, look, gpu, planes);
@@ -38,6 +39,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
   const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
+  if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path');
   if (picked) words.push(anglesInWords(path));
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');

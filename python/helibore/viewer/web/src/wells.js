@@ -22,7 +22,7 @@ import { recorder, svgFile } from './svg.js';
 import { numbers, View } from './view.js';
 import { Well } from './well.js';
 import { Scene } from './wells_scene.js';
-import { Section, TRUE } from './wells_section.js';
+import { farApart, Section, TRUE } from './wells_section.js';
 
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
@@ -37,6 +37,7 @@ export class Wells {
   wells = [];
   note = ''; // how wells without a place were placed
   mode = 'scene';
+  datumChosen = false; // by the address or the user
   datum = ''; // '': measured depths; TRUE: true depths; else the name of the top that stands at one height
   /** @type {Record<'fence' | 'discs' | 'planes' | 'box', boolean>} */
   shown = { fence: true, discs: true, planes: true, box: true };
@@ -148,6 +149,8 @@ export class Wells {
     const { gpu, view } = this;
     applyTheme(view);
     const { clientWidth: width, clientHeight: height } = byId('stage');
+    const datum = this.datumChosen ? this.datum : farApart(this.drawn) ? TRUE : '';
+    if (datum !== this.datum) Object.assign(this, { datum }).section.fitted = false;
     this.lists();
     const began = performance.now();
     const coarse = this.cost > SLOW && began - this.movedAt < MOVING;
@@ -264,7 +267,7 @@ export class Wells {
     });
     on('mode', 'change', ({ value }) => (this.mode = value));
     on('datum', 'change', ({ value }) => {
-      this.datum = value;
+      Object.assign(this, { datum: value, datumChosen: true });
       this.section.fitted = false;
     });
     on('quantity', 'change', ({ value }) => (this.quantityId = value));
@@ -366,7 +369,7 @@ export class Wells {
 
   toAddress() {
     const { view, scene, section } = this;
-    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datum ? { datum: this.datum } : {}) });
+    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datumChosen ? { datum: this.datum } : {}) });
     if (scene.fitted) parts.set('eye', [...scene.from, ...scene.orbit.target].map((x) => x.toFixed(2)).join('_'));
     if (section.fitted) parts.set('between', [section.top, section.length].map((x) => x.toFixed(3)).join('_'));
     const off = SHOWN.filter((id) => !this.shown[id]);
@@ -378,6 +381,7 @@ export class Wells {
     const parts = new URLSearchParams(location.hash.slice(1));
     this.mode = parts.get('mode') === 'section' ? 'section' : 'scene';
     this.quantityId = parts.get('quantity') ?? '';
+    this.datumChosen = parts.has('datum');
     this.datum = parts.get('datum') ?? '';
     const [theme, units] = [parts.get('theme'), parts.get('units')];
     if (theme === 'light' || theme === 'dark') this.view.choose({ theme });

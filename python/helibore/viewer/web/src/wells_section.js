@@ -109,10 +109,10 @@ export class Section {
       well.ask(top, bottom);
       const look = wells.look(well, Object.create(shown, { camera: { value: 'straight' }, bent: { value: bent } }), rects);
       const { image } = rects;
-      for (let y = 0; y < image.height; y += bent ? SLICE : image.height) { // the image of a slice has one scale
+      for (let y = 0; y < image.height; y += bent ? SLICE : image.height) { // the image of a slice has one scale; a piece ends on a slant
         const slice = { ...image, top: image.top + y, height: Math.min(bent ? SLICE : image.height, image.height - y) };
         const [from, to] = [slice.top, slice.top + slice.height].map((end) => depthAt(look.view, image, end));
-        gpu.image({ ...look, view: wells.viewOf(from, to - from), imageRect: slice, imagePieces: look.imagePieces.filter((piece) => piece.bottom > from && piece.top < to) });
+        gpu.image({ ...look, view: wells.viewOf(from, to - from), imageRect: slice, imagePieces: look.imagePieces.filter((piece) => piece.bottom > 2 * from - to && piece.top < 2 * to - from) });
       }
       return look;
     });
@@ -164,16 +164,19 @@ export class Section {
     drawCaliper(ink, moved, lines);
     drawOutside(ink, moved);
     if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, false);
-    drawAxisLabels(ink, moved);
     ink.restore();
     edges(ink, sharp(image, -1), palette.line);
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
     for (const [name, start] of look.intervals) {
       const y = this.y(this.down(well, start), rects);
       if (y < axis.top || y > axis.top + axis.height) continue;
-      line(ink, axis.left, y, right, y, colours.get(name) ?? palette.top, [], 2.5);
+      line(ink, this.columns[0].well === well ? image.left : axis.left, y, right, y, colours.get(name) ?? palette.top, [], 2.5); // from the well at its left
       label(ink, fitting(ink, [name], image.width - 8), image.left + 5, y + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
     }
+    ink.save();
+    ink.translate(0, NAME);
+    drawAxisLabels(ink, moved);
+    ink.restore();
   }
 
   /** @param {number} down @param {Rects} rects */
@@ -242,6 +245,14 @@ export class Section {
       ...own,
     ];
   }
+}
+
+// Whether wells that have true depths are measured at such different depths along the hole that side by side little of them is seen.
+/** @param {import('./well.js').Well[]} wells */
+export function farApart(wells) {
+  const spans = wells.map(({ store }) => store.span);
+  const all = Math.max(...spans.map(([, bottom]) => bottom)) - Math.min(...spans.map(([top]) => top));
+  return all > 2 * Math.max(...spans.map(([top, bottom]) => bottom - top)) && wells.every(({ store, path }) => !Number.isNaN(path.tvd(store.span[0])));
 }
 
 /** @type {WeakMap<import('./well.js').Well, { key: string, down(depth: number): number, depth(down: number): number, level: boolean }>} */
