@@ -34,10 +34,10 @@ def ink_texts(screen: Screen) -> list[str]:
     return [label["text"] for label in screen.evaluate("document.getElementById('ink').labels")]
 
 
-def with_gamma(caliper: hb.Caliper, reference: Any = "high-side") -> hb.Wall:
+def with_gamma(caliper: hb.Caliper, reference: Any = "high-side", end: float = 2040.0) -> hb.Wall:
     """A wall of a caliper with a gamma image."""
     wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=32)
-    depth = np.arange(2000.0, 2040.0, 0.1)
+    depth = np.arange(2000.0, end, 0.1)
     rows = gamma(depth[:, None], np.arange(16.0)[None] * 22.5)
     wall.images["GR"] = hb.SectorImage(depth, rows, "GR", "gAPI", origin="edge", reference=reference)
     return wall
@@ -95,6 +95,26 @@ def test_an_image_measured_in_rows_is_drawn_in_rows_with_their_values(browser: A
         dashed = lines & (change == 0).any(axis=1)
         assert lines.sum() > 60
         assert dashed.sum() < 0.1 * lines.sum(), "edges of rows are lines on the straightened hole too"
+        screen.close()
+
+
+def test_an_image_measured_in_rows_has_no_line_without_data_where_tiles_meet(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2080.0, BIT), end=2080.0)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2051&sec=4&quantity=GR")
+        screen.settle()
+        level = "window.__wall.app.store.levels[0]"
+        seam = screen.evaluate(f"{level}.startDepth + {level}.rows * {level}.pitch")
+        edge = round((seam - 2000.05) / 0.1) * 0.1 + 2000.05  # of the image row there
+        height = screen.evaluate("window.__wall.app.renderer.rects.image.height")
+        for pixel in (0.004, 0.011, 0.03):
+            for shift in np.linspace(-0.004, 0.004, 5):  # the edge lies in the middle of a pixel, or just beside it
+                top = edge - (height // 2 + 0.5 + shift) * pixel
+                screen.evaluate(f"window.__wall.app.view.show({top}, {height * pixel}, window.__wall.app.store)")
+                screen.settle()
+                image = screen.pixels("image").astype(int)[:, :, :3]
+                bare = np.flatnonzero((image == (244, 245, 246)).all(axis=2).any(axis=1))
+                assert not bare.size, f"rows {bare} with the colour of the page, {pixel} m a pixel, shift {shift}"
         screen.close()
 
 

@@ -318,11 +318,10 @@ void main() {
   float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
   float across = around * float(K);
   int col = min(int(across), K - 1);
-  float turn = turnAt(at.y, across);
-  int row = int(floor(turn));
-  float slack = 1e-3 + perPixel / 8.0; // the GPU rounds corners to parts of a pixel: a pixel on the seam then belongs to at least one tile
-  if (row < 0 && turn > -slack) row = 0;
-  if (row >= rows && turn < float(rows) + slack) row = rows - 1;
+  int row = int(floor(turnAt(at.y, across)));
+  float slack = (1e-3 + perPixel / 8.0) * pitch; // the GPU rounds corners to parts of a pixel: a pixel on the seam, or on an edge of an image row there, then belongs to at least one tile
+  if (row < 0 && turnAt(at.y + slack, across) >= 0.0) row = 0;
+  if (row >= rows && turnAt(at.y - slack, across) < float(rows)) row = rows - 1;
   if (row < 0 || row >= rows || row * K + col + (rings ? 0 : K + 1) >= size) discard; // in a neighbouring tile, or not drilled yet
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;
