@@ -154,8 +154,9 @@ def pages_of(content: Content, paper: str | tuple[float, float], *, picks: bool 
         sheets.append(Sheet(width, height, content.drawing.dpi))
         ends.append("")
         draw_picks(sheets[-1], MARGIN)
+    kind = "page" if picks else "picture"  # of a report, whose pages are not these
     for number, (sheet, part) in enumerate(zip(sheets, ends, strict=True), 1):
-        draw_footer(sheet, content, MARGIN, sheet.height - MARGIN, f"page {number} of {len(sheets)}", part)
+        draw_footer(sheet, content, MARGIN, sheet.height - MARGIN, f"{kind} {number} of {len(sheets)}", part)
     return [sheet.figure for sheet in sheets]
 
 

@@ -200,7 +200,7 @@ def _draw_rings(axes: Axes, wall: Wall, one: Stretched, radius: Floats, view: Vi
         if pick.kind in PLANES:
             dip, towards = attitude(pick, wall.path)
             text = f"{dip:.0f}° apparent" if wall.path is None else f"{dip:.0f}°"
-            text += f" to {towards:.0f}°" if wall.path is not None and math.isfinite(towards) else ""
+            text += f" toward {towards:.0f}°" if wall.path is not None and math.isfinite(towards) else ""
             depth = plane_depth(pick, radius_of(pick, bit), toolface)
             ring(depth, text, PICK_COLORS[pick.kind], dashes=DASHES.get(pick.kind, (None, None)))
     for each in wall.intervals:

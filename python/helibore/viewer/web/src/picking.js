@@ -608,4 +608,4 @@ function writeFields(pick, units) {
 const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 /** @param {Plane} plane */
 const inWords = ({ dip, azimuth, apparent, deepest }) =>
-  Number.isNaN(dip) ? `apparent dip ${showAngle(apparent)}, deepest at ${showAngle(deepest, 0)}` : `true dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (apparent ${showAngle(apparent)})`;
+  Number.isNaN(dip) ? `apparent dip ${showAngle(apparent)}, deepest at ${showAngle(deepest, 0)}` : `true dip ${showAngle(dip)} toward ${showAngle(azimuth, 0)}   (apparent ${showAngle(apparent)})`;

@@ -125,7 +125,7 @@ function listPicks(ink, { view, path }, { kept, boxes }, height) {
     const y = first + ROW * i;
     if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
     const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
-    const angles = known ? `${one.dip.toFixed(0)}° to ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
+    const angles = known ? `${one.dip.toFixed(0)}° toward ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
     const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [one.kind, 116, 'left'], [angles, NET.width - 14, 'right']]);
     for (const [text, x, align] of row) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
   });

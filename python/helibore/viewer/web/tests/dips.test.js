@@ -221,7 +221,7 @@ test('a pick names the image that it was drawn on, has no radius in a gauge hole
   Object.assign(made.app, { store });
   made.drag(made.grab({ depth: 1010, toolface: 30, image: 'GR' }, 0.02), { depth: 1010.1, toolface: 120, image: 'RHOB' });
   made.drop();
-  assert.deepEqual([made.kept[0].image, made.kept[0].radius, sent.splice(0)], ['GR', null, ['bed at 1010.10 m: true dip 62.9° to 203°   (apparent 45.0°). Ctrl Z takes it back.']]);
+  assert.deepEqual([made.kept[0].image, made.kept[0].radius, sent.splice(0)], ['GR', null, ['bed at 1010.10 m: true dip 62.9° toward 203°   (apparent 45.0°). Ctrl Z takes it back.']]);
   made.drag(made.grab({ depth: 1025, toolface: 30, image: 'GR' }, 0.02), { depth: 1025.1, toolface: 120 });
   made.drop();
   assert.deepEqual(sent, ['GR: nothing was measured where this was picked, 1025.10 m']);
