@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "base/arithmetic.hpp"
@@ -122,27 +121,33 @@ class Finder {
     bool is_long(std::size_t turn, const MeasuredTurns::Lobe& lobe) const {
         const double top = lobe.height[turn], far = turns_.unworn_diameter[turn] / 2.0 + top;
         if (std::isnan(far)) return false;
-        const SineCosine direction = sine_cosine(lobe.toolface[turn]);  // seen from the unworn circle
-        const double toolface =
-            arc_tangent(turns_.unworn_90[turn] + far * direction.sine, turns_.unworn_0[turn] + far * direction.cosine) /
-            degree;
-        const auto k = static_cast<std::size_t>(nearest_whole(wrap_toolface(toolface - start_toolface_) *
-                                                              (static_cast<double>(sectors_) / 360.0))) %
-                       sectors_;
+        const SineCosine towards = sine_cosine(lobe.toolface[turn]);  // as seen from the centre of the unworn circle
+        const double x = turns_.unworn_0[turn] + far * towards.cosine, y = turns_.unworn_90[turn] + far * towards.sine;
+        std::size_t k = 0;
+        double most = -1.0;
+        for (std::size_t i = 0; i < sectors_; ++i)
+            if (const double along = x * directions_[i].cosine + y * directions_[i].sine; along > most)
+                most = along, k = i;
         const auto length = static_cast<std::size_t>(
             nearest_whole(std::clamp(criteria_.least_length / height_, 1.0, static_cast<double>(count_))));
         const std::size_t low = turn + 1 - std::min(turn + 1, length), high = std::min(turn + length, count_);
-        std::vector<double> heights(high - low);
+        double sum = 0.0;  // over `length` turns that end with turn i
         for (std::size_t i = low; i < high; ++i) {
-            const double x = vertices_.radius[i * sectors_ + k] * directions_[k].cosine - turns_.unworn_0[i],
-                         y = vertices_.radius[i * sectors_ + k] * directions_[k].sine - turns_.unworn_90[i];
-            const double height = std::sqrt(x * x + y * y) - turns_.unworn_diameter[i] / 2.0;
-            heights[i - low] = std::isnan(height) ? 0.0 : std::clamp(height, 0.0, top);
+            sum += height_at(i, k, top);
+            if (i + 1 < low + length) continue;
+            if (sum >= long_share * top * static_cast<double>(length)) return true;
+            sum -= height_at(i + 1 - length, k, top);
         }
-        const double least = long_share * top * static_cast<double>(length);
-        for (std::size_t i = 0; i + length <= heights.size(); ++i)
-            if (std::accumulate(&heights[i], &heights[i] + length, 0.0) >= least) return true;
         return false;
+    }
+
+    // Returns how high the wall is over the unworn circle, from 0 to `top`; 0 where it is missing.
+    double height_at(std::size_t turn, std::size_t k, double top) const {
+        const double r = vertices_.radius[turn * sectors_ + k];
+        const double x = r * directions_[k].cosine - turns_.unworn_0[turn],
+                     y = r * directions_[k].sine - turns_.unworn_90[turn];
+        const double height = std::sqrt(x * x + y * y) - turns_.unworn_diameter[turn] / 2.0;
+        return height > 0.0 ? std::min(height, top) : 0.0;
     }
 
     // Returns the kind of each turn without regard to its neighbours, but to the chain where turns have few samples.
