@@ -42,18 +42,19 @@ def test_hover_says_what_the_wall_says(shown: Any) -> None:
         )
         shown.settle()
         cursor = shown.evaluate("window.__wall.app.view.cursor")
-        k = shown.evaluate("window.__wall.app.renderer.quad?.k ?? -1")
+        k = shown.evaluate("window.__wall.app.renderer.vertex?.k ?? -1")
         text = shown.readout()
         assert text["MD"] == f"{cursor['depth']:.2f} m"
         if k < 0:
             assert text["Radius"] == "no data"
             continue
-        assert wall.depth[k] <= cursor["depth"] < wall.depth[k] + 0.1 + 0.1 / 64
-        assert 0 <= (cursor["toolface"] - wall.toolface[k]) % 360 < 360 / 64 + 1e-9
+        assert abs(cursor["depth"] - wall.depth[k]) <= 0.05 + 0.05 / 64 + 1e-9
+        assert abs((cursor["toolface"] - wall.toolface[k] + 180) % 360 - 180) <= 180 / 64 + 1e-9
         assert text["Radius"] == f"{round(wall.radius[k], 5) * 1000:.2f} mm"
         assert text["Samples used"] == str(wall.support[k])
         assert text["Nearest sample"] == f"{round(wall.nearest[k], 4) * 1000:.1f} mm"
-        gr = next(iter(gamma_and_resistivity(wall).values()))[k]
+        quad = shown.evaluate(f"window.__wall.app.store.levels[0].quadAt({cursor['depth']}, {cursor['toolface']})")
+        gr = next(iter(gamma_and_resistivity(wall).values()))[quad]
         assert float(text["GR"].removesuffix(" gAPI")) == float(f"{gr:.5g}")
 
 

@@ -474,7 +474,7 @@ def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: 
         screen.settle()
         screen.until("window.__wall.app.figures.summary")
         assert "interpolated" in ink_texts(screen)
-        k = screen.evaluate("window.__wall.app.renderer.quad.k")
+        k = screen.evaluate("window.__wall.app.renderer.vertex.k")
         assert wall.angular_gap[k] > 60
         assert screen.readout()["Samples used"] == "8 (interpolated)"
         assert f"{100 * wall.summary(2010, 2020).coverage:.1f} %" in screen.inner_text("#section")
@@ -538,6 +538,43 @@ def test_the_cross_section_has_a_band_that_encloses_95_percent(browser: Any) -> 
         assert shown == pytest.approx(mean, abs=0.05 if came_with_it else 0.1 * mean)  # else in sixteen steps
         assert mean > 0.5
         assert band > 500
+
+
+@pytest.mark.parametrize("pitch", [0.4, -0.4])
+def test_a_vertex_is_seen_around_its_place_and_an_attribute_on_its_quad(browser: Any, pitch: float) -> None:
+    wall = MadeWall(16 * 100, sectors=16, pitch=pitch)
+    wall.radius[:] = 0.108
+    k = 16 * 40 + 7
+    wall.radius[k] += 0.03
+    column = np.where(np.arange(len(wall)) == k, 100.0, 0.0)
+    depth, toolface = wall.depth[k], wall.toolface[k]
+    address = f"#md={depth}&sec=4&beside=GR&at={depth - 0.2 * pitch}_{toolface - 6}"
+    with hb.view(wall, attributes={hb.viewer.Attribute("GR", "gAPI", 0, 100): column}) as viewer:
+        screen = Screen(browser, viewer.url, address, (1366, 700))
+        screen.evaluate("window.__wall.app.selection.setColours({ low: 0, high: 0.03 })")
+        screen.settle()
+        places = []
+        for name in ("image", "beside0"):
+            pixels = screen.pixels(name)[2:-2, 2:-2, :3].astype(int)
+            usual = np.median(pixels, axis=(0, 1))
+            y, x = np.nonzero(np.abs(pixels - usual).max(axis=-1) > 60)
+            share = (y.mean() + 2.5) / (len(pixels) + 4), (x.mean() + 2.5) / (pixels.shape[1] + 4)
+            places.append((depth - 2 + 4 * share[0], 360 * share[1]))
+        middle = (depth + 0.5 * pitch * (1 + 1 / 16), toolface + 0.5 * 22.5)
+        for place, wanted in zip(places, ((depth, toolface), middle), strict=True):
+            assert place[0] == pytest.approx(wanted[0], abs=0.05 * abs(pitch))
+            assert place[1] == pytest.approx(wanted[1], abs=0.05 * 22.5)
+        assert screen.readout()["Radius"] == "138.00 mm", "it is the vertex whose colour is under the cursor"
+        screen.evaluate("window.__wall.app.view.choose({ camera: 'outside' })")
+        screen.settle()
+        pixels = screen.pixels("wall")[..., :3].astype(int)
+        y, x = np.nonzero(pixels[..., 0] > 1.5 * pixels[..., 2])  # the vertex is brown, the others blue
+        at = len(y) // 2
+        top = "document.getElementById('orbit').offsetTop"
+        screen.evaluate(f"window.__wall.app.renderer.pickAt({x[at]}, {y[at]} - {top}, true)")
+        cursor = screen.evaluate("window.__wall.app.view.cursor")
+        assert (cursor["depth"], cursor["toolface"]) == pytest.approx((depth, toolface)), "in 3-D the cursor is on it"
+        screen.close()
 
 
 @pytest.mark.parametrize("length", [4, 400], ids=["tiles", "overview"])

@@ -33,17 +33,30 @@ export class Helix {
     return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
   }
 
+  // Return a place along the hole, in turns, as columns lie, and around it, in columns.
+  /** @param {number} depth @param {number} toolface @returns {Pair} */
+  place(depth, toolface) {
+    const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
+    return [(depth - this.startDepth) / this.pitch - (this.rings ? 0 : across / this.sectors), across];
+  }
+
   // Return the quad that covers (depth, toolface); its number is negative or too large if the wall does not reach there. For an
   // image that was measured in `rows` [depth of an edge between two rows, height of a row]: the quad that has the value of the row
   // at `depth`.
   /** @param {number} depth @param {number} toolface @param {Pair | null} [rows] */
   quadAt(depth, toolface, rows = null) {
-    const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
+    const [turn, across] = this.place(depth, toolface);
     const col = Math.min(Math.floor(across), this.sectors - 1);
     const middle = rows && rows[0] + (Math.floor((depth - rows[0]) / rows[1]) + 0.5) * rows[1];
-    const turn = rows && !this.rings ? (Number(middle) - this.startDepth) / this.pitch - (col + 0.5) / this.sectors : (depth - this.startDepth) / this.pitch - (this.rings ? 0 : across / this.sectors);
-    const row = Math.floor(turn);
+    const row = Math.floor(rows && !this.rings ? (Number(middle) - this.startDepth) / this.pitch - (col + 0.5) / this.sectors : turn);
     return row * this.sectors + col;
+  }
+
+  // Return the vertex nearest to (depth, toolface), a corner of the quad there; of rings, whose cells have values, the cell.
+  /** @param {number} depth @param {number} toolface */
+  vertexAt(depth, toolface) {
+    const [turn, across] = this.place(depth, toolface).map(Math.round);
+    return this.rings ? this.quadAt(depth, toolface) : turn * this.sectors + across;
   }
 
   // Return the first vertex of the turn that is centred on a depth.

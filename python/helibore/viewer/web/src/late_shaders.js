@@ -49,6 +49,7 @@ void main() {
   int k = quad(depthHere);
   bool gap = missing(k);
   if (gap && k + (rings ? 0 : K + 1) >= size) discard;
+  k = ownOf(k, grid);
   vec2 under = fwidth(grid); // columns and rows under a pixel
   float small = max(1.0, max(under.x, under.y)); // quads under a pixel
   bool near = fine && !rings && small < 2.0;

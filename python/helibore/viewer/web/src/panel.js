@@ -140,15 +140,15 @@ export function reflect(view, quantity, image) {
 
 // Return the values at the cursor as pairs of name and text; an unknown value is a dash. Without a cursor, return the depths in
 // the middle of the section, where the cross-section is.
-/** @param {{ store: Store, view: View, path: Path, quad: Quad | null }} of */
-export function readout({ store, view, path, quad }) {
+/** @param {{ store: Store, view: View, path: Path, vertex: Vertex | null }} of */
+export function readout({ store, view, path, vertex }) {
   const { cursor, units } = view;
   const depth = cursor?.depth ?? view.middle;
   const tvd = path.tvd(depth);
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
   /** @param {number | null} zero */
   const around = (zero) => (zero === null || typeof cursor?.toolface !== 'number' ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
-  const { state = 0 } = quad ?? {};
+  const { state = 0 } = vertex ?? {};
   /** @type {[number, string][]} */
   const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
@@ -158,12 +158,12 @@ export function readout({ store, view, path, quad }) {
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
     ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
-      ['Radius', quad ? showLength(quad.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
+      ['Radius', vertex ? showLength(vertex.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
       ...(state >> 12 ? [['Radius, 95 %', `± ${showLength(uncertaintyOf(state), units, units === 'mm' ? 1 : 2)}`]] : []),
-      ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
-      ['Change', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
-      ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
-      ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
+      ['Over bit radius', showSigned(vertex ? vertex.radius - store.bitRadius : NaN, units)],
+      ['Change', vertex && state & RESCANNED ? showSigned(vertex.radius - vertex.first, units) : '–'],
+      ['Nearest sample', showLength(vertex?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
+      ['Samples used', vertex ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
     ]),
     ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, store.attributeAt(i, cursor), units)]),
   ];

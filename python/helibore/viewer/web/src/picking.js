@@ -194,11 +194,11 @@ export class Picking {
   /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface, image }) {
     const { store } = this.app;
-    const quad = store.basis === 'gauge' ? null : store.quad(store.levels[0].quadAt(depth, toolface));
+    const vertex = store.basis === 'gauge' ? null : store.near(depth, toolface);
     const has = (/** @type {number} */ i) => Number.isFinite(store.attributeAt(i, { depth, toolface }));
     const own = store.attributes.findIndex(({ name }) => name === image);
-    const seen = own >= 0 ? has(own) : quad !== null || store.attributes.some((_, i) => has(i));
-    return { depth, toolface, radius: quad ? rimOf(store, quad.k) : store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
+    const seen = own >= 0 ? has(own) : vertex !== null || store.attributes.some((_, i) => has(i));
+    return { depth, toolface, radius: vertex ? rimOf(store, vertex.k) : store.bitRadius, measured: vertex !== null, seen, ...onImage(image) };
   }
 
   // Return the plane of a kept pick on the present path.

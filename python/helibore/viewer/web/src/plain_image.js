@@ -36,14 +36,16 @@ export class PlainImage {
       if (depth < top - beyond || depth > bottom + beyond) continue;
       const edge = this.edge(look, depth);
       for (let x = 0; x < picture.width; x++) {
-        const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width), quantity.rows);
+        const toolface = wrap360(edge + (360 * (x + 0.5)) / picture.width);
+        const k = level.quadAt(depth, toolface, quantity.rows);
         const at = k - tile.index * level.tileSize;
         if (at < 0 || at >= level.tileSize || k + (level.rings ? 0 : level.sectors + 1) >= level.shown) continue;
+        const own = quantity.mode === Q_ATTRIBUTE ? at : at + level.vertexAt(depth, toolface) - k;
         const row = Math.floor(at / level.sectors);
         const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
-        const value = quantity.mode === Q_ATTRIBUTE || store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;
+        const value = quantity.mode === Q_ATTRIBUTE || store.quad(k, level) ? valueAt(store, quantity, tile, own, view.pass) : NaN;
         const pixel = this.colour(value, ends, quantity.log, table, x + y, look.dark);
-        picture.data.set(between(quantity, tile, at) ? sparse(pixel, x - y, look.dark) : pixel, 4 * (y * picture.width + x));
+        picture.data.set(between(quantity, tile, own) ? sparse(pixel, x - y, look.dark) : pixel, 4 * (y * picture.width + x));
       }
     }
   }

@@ -3,7 +3,7 @@
 
 import { looked, toAddress } from './address.js';
 import { drawCaliper } from './caliper.js';
-import { fitRange, nearBit, quantityOf, valuesInView } from './color.js';
+import { fitRange, nearBit, Q_ATTRIBUTE, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
@@ -49,8 +49,8 @@ export class Renderer {
   stale = true; // the WebGL canvas shows something else
   paintedAt = 0;
   rects = /** @type {Rects} */ (/** @type {unknown} */ (null));
-  /** @type {Quad | null} */
-  quad = null; // under the cursor
+  /** @type {Vertex | null} */
+  vertex = null; // nearest to the cursor
   /** @type {Gpu | null} */
   gpu = null; // null without WebGL 2
   /** @type {import('./camera.js').Orbit | null} */
@@ -253,8 +253,8 @@ export class Renderer {
     // The browser lays the page out anew when a size is read after a text was written, so what needs sizes comes first.
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, look.over);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
-    this.quad = covered ? store.quad(k) : null;
-    selection.read = readout({ store, view, path, quad: this.quad });
+    this.vertex = cursor && cursor.toolface !== null ? store.near(cursor.depth, cursor.toolface) : null;
+    selection.read = readout({ store, view, path, vertex: this.vertex });
     const { name, thin } = look.quantity;
     if (thin) selection.read.push([`Rows of ${name}`, `each ${inMetres(thin)}, turns each ${inMetres(Math.abs(wall.pitch))}: wall.pitch=${inMetres(thin).replace(' ', '')} shows all`]);
     const interval = intervalAt(store.intervals, cursor?.depth ?? view.middle);
@@ -325,11 +325,12 @@ export class Renderer {
 
   /** @param {number} x @param {number} y @param {boolean} [hold] */
   pickAt(x, y, hold = false) {
-    const { view } = this.app;
+    const { view, selection } = this.app;
     const found = this.gpu?.pick(this.look(), x, y + HEAD - 24);
     if (!found) return view.point(null, false);
     const { level } = found.tile;
-    const k = found.tile.index * level.tileSize + found.at + 0.5 * (level.sectors + 1);
-    return view.point({ depth: level.depth(k), toolface: level.toolface(found.at + 0.5) }, hold);
+    const half = level.rings || selection.quantity.mode === Q_ATTRIBUTE ? 0.5 : 0; // the middle of a quad, or a vertex
+    const k = found.tile.index * level.tileSize + found.at + half * (level.sectors + 1);
+    return view.point({ depth: level.depth(k), toolface: level.toolface(found.at + half) }, hold);
   }
 }

@@ -10,6 +10,7 @@ precision highp usampler2D;
 uniform usampler2D texels;
 uniform sampler2D column, frames, colours, dynamicRange;
 uniform int K, rows;
+uniform int mode;             // color.js: Q_RADIUS ..
 uniform int size;             // vertices of the wall that are shown, from the tile's start on
 uniform float pitch;          // signed
 uniform bool rings;           // of the overview: rows are level, and a cell is one vertex
@@ -36,6 +37,11 @@ float turnAt(float depth, float across) {
   float middle = imageRows.x + (floor((depth - imageRows.x) / imageRows.y) + 0.5) * imageRows.y;
   return middle / pitch - (min(floor(across), float(K - 1)) + 0.5) / float(K);
 }
+// Returns whose colour a place on quad k has: an image has its values on quads, all else has them at vertices, around which they lie.
+int ownOf(int k, vec2 place) {
+  vec2 within = place - vec2(k % K, k / K);
+  return mode == 5 || rings ? k : k + (within.x < 0.5 ? 0 : 1) + (within.y < 0.5 ? 0 : K);
+}
 bool missing(int k) {
   if (rings) return k >= size || texel(k).x == 0u;
   return k + K + 1 >= size || texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
@@ -43,7 +49,6 @@ bool missing(int k) {
 `;
 
 const COLOUR = /* glsl */ `
-uniform int mode;             // color.js: Q_RADIUS ..
 uniform float low, high, form;
 uniform bool logarithmic, isDynamic, dark;
 uniform int glowCount;
@@ -68,7 +73,7 @@ vec3 nothing() {
   return dark ? (line ? vec3(0.36) : vec3(0.24)) : (line ? vec3(0.62) : vec3(0.80));
 }
 vec3 colourOf(float v, int row) {
-  vec2 ends = isDynamic ? texelFetch(dynamicRange, ivec2(row, 0), 0).rg : vec2(low, high);
+  vec2 ends = isDynamic ? texelFetch(dynamicRange, ivec2(min(row, rows - 1), 0), 0).rg : vec2(low, high);
   if (logarithmic) { v = log(v); ends = log(ends); }
   float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
   return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
@@ -227,6 +232,7 @@ out vec4 colour;
 void main() {
   int k = quad(depthHere);
   if (depthHere < top || depthHere > bottom || missing(k)) discard;
+  k = ownOf(k, grid);
   uint state = texel(k).w;
   bool between = mode != 5 && (state & 0x800u) != 0u;
   ivec2 screen = ivec2(gl_FragCoord.xy); // of two pixels of interpolated wall one is left out; of eight that are in doubt by 4 mm and more one, none beside another
@@ -277,13 +283,15 @@ void main() {
   if (depthHere < top || depthHere > bottom || (side.x > 0.0 && side.y > 0.0)) discard;
   int k = quad(viewTop + (floor((depthHere - viewTop) / pixelHeight) + 0.5) * pixelHeight); // one depth for a row of pixels: an edge of an image row is a line, not dashes
   if (k + (rings ? 0 : K + 1) >= size) discard; // not drilled yet
+  bool gap = missing(k);
+  k = ownOf(k, grid);
   float v = value(k);
-  vec3 base = missing(k) ? nothing() : lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
+  vec3 base = gap ? nothing() : lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
 
-// Which quad is under a pixel: alpha is the tile's number, 1 for the first; red, green and blue are the quad's number in it.
+// Which quad or vertex is under a pixel: alpha is the tile's number, 1 for the first; red, green and blue are its number in the tile.
 export const PICK_FRAGMENT = /* glsl */ `${COMMON}${QUAD}
 uniform int number;
 out vec4 colour;
@@ -291,6 +299,7 @@ void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad(depthHere);
   if (missing(k)) discard;
+  k = ownOf(k, grid);
   colour = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), float(number)) / 255.0;
 }
 `;
@@ -328,9 +337,10 @@ void main() {
   int count = 0;
   int r = max(row - many / 2, 0);
   int last = min(r + many, rows);
+  int k = row * K + col, own = ownOf(k, vec2(across, turn));
   do {
-    int k = r * K + col;
-    float v = lacks(k) ? notANumber() : value(k);
+    int other = r * K + col;
+    float v = lacks(other) ? notANumber() : value(other + own - k);
     if (known(v)) { sum += logarithmic ? log(v) : v; count++; }
   } while (++r < last);
   if (count == 0) {
@@ -338,8 +348,7 @@ void main() {
     return;
   }
   float mean = sum / float(count);
-  int k = row * K + col;
-  vec3 base = interpolated(colourOf(logarithmic ? exp(mean) : mean, row), k);
-  colour = vec4(glowing(dotted(base, k), k), 1.0);
+  vec3 base = interpolated(colourOf(logarithmic ? exp(mean) : mean, row), own);
+  colour = vec4(glowing(dotted(base, own), own), 1.0);
 }
 `;

@@ -176,6 +176,13 @@ export class Store {
     return corners.every((corner) => tile.texels[TEXEL * corner + RADIUS]) ? this.vertex(k, level) : null;
   }
 
+  // Return everything known of the vertex nearest to a place; null if there is no quad.
+  /** @param {number} depth @param {number} toolface */
+  near(depth, toolface) {
+    const [wall] = this.levels;
+    return this.quad(wall.quadAt(depth, toolface)) && this.vertex(wall.vertexAt(depth, toolface));
+  }
+
   // Return the value of an attribute at a place, as the picture shows it there.
   /** @param {number} index @param {Cursor | null} at */
   attributeAt(index, at) {

@@ -47,7 +47,7 @@ interface Palette {
 // The wall.
 interface Shape { sectors: number; pitch: number; rows: number; rings?: boolean; startDepth: number; startToolface: number }
 interface Attribute { name: string; unit: string; log: boolean; color_map: string; rows?: Pair | null; thin?: number } // thin: height of rows of which the wall has not all
-interface Quad { k: number; depth: number; toolface: number; radius: number; first: number; nearest: number; state: number; attributes: number[] }
+interface Vertex { k: number; depth: number; toolface: number; radius: number; first: number; nearest: number; state: number; attributes: number[] }
 interface Bend { top: number; length: number; share(depth: number): number; depth(share: number): number } // true depths in view; measured depth to a share of the height of a track, and back
 interface Piece { tile: Tile; top: number; bottom: number }
 interface FramesTexture { texture: Texture; first: number; origin: Vector; version: number; path: Path }

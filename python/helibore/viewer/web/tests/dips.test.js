@@ -150,7 +150,7 @@ test('a point in a groove has the radius of the wall beside the groove, and one 
   const radius = (depth) => (Math.abs(depth - 1010) < 0.08 ? 0.12 : depth > 1015 ? 0.15 : 0.1);
   const [K, pitch] = [4, 0.01];
   const vertex = (k) => (k < 0 ? null : { k, radius: radius(1000 + (k / K) * pitch) });
-  Object.assign(made.app.store, { quad: vertex, vertex, levels: [{ sectors: K, pitch, quadAt: (depth) => Math.round((depth - 1000) / pitch) * K }] });
+  Object.assign(made.app.store, { near: (depth) => vertex(Math.round((depth - 1000) / pitch) * K), vertex, levels: [{ sectors: K, pitch }] });
   assert.deepEqual([1010, 1010.05, 1008, 1000, 1017].map((depth) => made.point({ depth, toolface: 0 }).radius), [0.1, 0.1, 0.1, 0.1, 0.15]);
   made.app.store.levels[0].pitch = 1;
   assert.equal(made.point({ depth: 1010, toolface: 0 }).radius, 0.12, 'turns farther apart than the groove is wide: that of the place');
@@ -194,7 +194,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ k: 0, radius: 0.1 }), vertex: () => ({ radius: 0.1 }), levels: [{ sectors: 4, pitch: 0.1, quadAt: () => 0 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, near: () => ({ k: 0, radius: 0.1 }), vertex: () => ({ radius: 0.1 }), levels: [{ sectors: 4, pitch: 0.1 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 

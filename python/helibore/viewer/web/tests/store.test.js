@@ -46,6 +46,26 @@ test('the quad under a point is the quad that holds it', () => {
   }
 });
 
+test('the vertex near a point is the nearest one, also across the seam, and needs the quad there', () => {
+  for (const pitch of [0.1, -0.1]) {
+    const helix = new Helix({ sectors: 64, pitch, startDepth: 1000, startToolface: 17 });
+    for (let k = 0; k < 5000; k += 7) {
+      for (const [along, across] of [[0, 0], [0.4, 0.4], [-0.4, 0.4], [0.4, -0.4], [-0.4, -0.4]]) {
+        assert.equal(helix.vertexAt(helix.depth(k) + (along + across / 64) * pitch, helix.toolface(k) + (across * 360) / 64), k);
+      }
+    }
+  }
+  const made = store();
+  fill(made, 0, (k) => (k === 5 + K ? 0 : 10000 + k));
+  const wall = made.levels[0];
+  /** @type {(k: number, along: number, across: number) => any} */
+  const near = (k, along, across) => made.near(wall.depth(k) + (along + across / K) * wall.pitch, wall.toolface(k) + (across * 360) / K);
+  assert.equal(near(2 + K, -0.4, 0.4).k, 2 + K);
+  assert.equal(near(5, -0.1, 0.1), null, 'above the wall');
+  assert.equal(near(5, 0.1, 0.1), null, 'the quad there touches the missing vertex');
+  assert.equal(near(6, 0.1, 0.1).radius, 10006 * 1e-5);
+});
+
 test('a read-out is the wall’s own value, and needs all four corners', () => {
   const made = store();
   fill(made, 0, (k) => 10000 + k);
