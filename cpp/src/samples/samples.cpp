@@ -138,16 +138,24 @@ Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
 
 }  // namespace
 
-const std::vector<std::uint16_t>& Chunk::thinned(const Cells& cells) const {
-    return thinned_.get([&] {
-        std::vector<std::uint16_t> rows;
-        std::vector<double> last(static_cast<std::size_t>(cells.around), -std::numeric_limits<double>::infinity());
+const RowsOfCells& Chunk::rows_of(const Cells& cells) const {
+    return rows_of_cells_.get([&] {
+        struct Last {
+            double row = -std::numeric_limits<double>::infinity();
+            std::uint16_t at = 0;
+        };
+        RowsOfCells rows;
+        rows.next.resize(static_cast<std::size_t>(count));
+        std::vector<Last> of_column(static_cast<std::size_t>(cells.around));
         for (Index i = 0; i < count; ++i) {
-            double& row = last[static_cast<std::size_t>(cells.column(depth()[i], toolface()[i]))];
-            const double now = cells.row(depth()[i]);
-            if (now == row) continue;
-            row = now;
-            rows.push_back(static_cast<std::uint16_t>(i));
+            const auto at = static_cast<std::uint16_t>(i);
+            Last& last = of_column[static_cast<std::size_t>(cells.column(depth()[i], toolface()[i]))];
+            const double row = cells.row(depth()[i]);
+            if (row == last.row)
+                rows.next[last.at] = at;
+            else
+                rows.first.push_back(at);
+            last = {row, at};
         }
         return rows;
     });

@@ -59,8 +59,7 @@ struct Level {
 };
 using Levels = std::vector<Level>;
 
-// A division of the hole into cells. The first sample of each cell, in canonical order, belongs to the thinned set
-// (search/near_far.hpp).
+// A division of the hole into cells (search/near_far.hpp).
 struct Cells {
     double height;  // metres
     Index around;   // number of cells in a turn
@@ -71,6 +70,12 @@ struct Cells {
         const double at = turn == 0.0 ? toolface : wrap_toolface(toolface - turn * depth);
         return std::min(static_cast<Index>(at * (static_cast<double>(around) / 360.0)), around - 1);
     }
+};
+
+// The rows of a chunk by cells: the first row of each cell, in order, and of each row the next of its cell, 0 if there
+// is none. A cell may have more rows in the chunks before and behind.
+struct RowsOfCells {
+    std::vector<std::uint16_t> first, next;
 };
 
 // The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above
@@ -162,15 +167,14 @@ class Chunk {
         return false;
     }
     const Levels& levels(int neighbors) const;
-    // Returns the first row of each cell, in order. A cell may have an earlier row in the chunk before.
-    const std::vector<std::uint16_t>& thinned(const Cells& cells) const;
+    const RowsOfCells& rows_of(const Cells& cells) const;
     const ChunkToolfaces& circle() const {
         return circle_.get([this] { return ChunkToolfaces(toolface(), count); });
     }
     void change_count(Index to) {
         levels_.forget();
         circle_.forget();
-        thinned_.forget();
+        rows_of_cells_.forget();
         count = to;
     }
 
@@ -190,7 +194,7 @@ class Chunk {
     Index capacity_, stride_;
     FoundOnce<Levels> levels_;
     FoundOnce<ChunkToolfaces> circle_;
-    FoundOnce<std::vector<std::uint16_t>> thinned_;
+    FoundOnce<RowsOfCells> rows_of_cells_;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;

@@ -1,4 +1,4 @@
-// The near neighbours are found by the exact search, in two metrics; the far ones from the thinned rows of each chunk.
+// The near neighbours are found by the exact search, in two metrics; the far ones from the cells of each chunk.
 // Groups count from vertex 0 of the whole helix, so a stretch of it, whose own groups may lie across these, has equal
 // bits.
 #include "search/near_far.hpp"
@@ -8,14 +8,17 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 namespace helibore {
 namespace {
 
 constexpr Index lanes = kernel::lanes;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int rank_bits = 9;    // a hash table of 512 ranks is large enough for all neighbours of a group
-constexpr double share = 0.35;  // of the lengths of the long term: the size of a cell
+constexpr int number_bits = 9;                      // enough for the neighbours of a group
+constexpr double large_noise = 0.25;                // of the variance of the long term
+constexpr double share = 0.35, small_share = 0.25;  // of the lengths of the long term: the size of a cell
 
 // Settings under which the search finds the nearest samples by one term of the covariance.
 Settings metric_of(const Settings& settings, std::size_t term, int neighbors) {
@@ -35,22 +38,51 @@ std::size_t long_term(const Settings& settings) {
     return settings.covariance.size() > 6 ? 1 : 0;
 }
 
+// A cell, from its first sample that is not a near neighbour.
 struct Far {
     double square;
-    std::size_t row;
+    Samples::Place first;
+};
+
+// The ranks of near neighbours.
+class RankSet {
+  public:
+    void clear() { keys_.fill(0); }
+    bool contains(Index rank) const { return keys_[place(rank)] != 0; }
+    // Returns whether the rank was not there before.
+    bool insert(Index rank) {
+        std::uint64_t& key = keys_[place(rank)];
+        return std::exchange(key, key_of(rank)) == 0;
+    }
+
+  private:
+    static std::uint64_t key_of(Index rank) { return static_cast<std::uint64_t>(rank) + 1; }
+    // Returns where the rank is, or where it would be.
+    std::size_t place(Index rank) const {
+        const std::uint64_t key = key_of(rank);
+        std::size_t at = key * 0x9e3779b97f4a7c15 >> (64 - bits);
+        while (keys_[at] != 0 && keys_[at] != key) at = (at + 1) % keys_.size();
+        return at;
+    }
+
+    static constexpr int bits = 9;  // large enough for all near neighbours of a group
+    std::array<std::uint64_t, std::size_t{1} << bits> keys_;
 };
 
 }  // namespace
 
 struct NearFar::Scratch {
     Search::Scratch by_short, by_long;
-    std::vector<kernel::Candidate> near_short, near_long, thinned, rows;  // thinned: the samples of the cells around
-    std::vector<unsigned char> seen;                                      // cells of one row of cells
+    std::vector<kernel::Candidate> near_short, near_long;
+    RankSet near;
+    std::vector<Samples::Place> cells;  // the first sample of each
+    std::vector<unsigned char> seen;    // cells of one row of cells
+    double shallow = 0.0, deep = 0.0;   // the depths that `cells` covers
     std::vector<Far> far;
-    std::vector<kernel::Candidate> found;                          // `rows` as they are found
-    std::vector<std::uint64_t> order;                              // of `rows`: rank and position in `found`
-    std::array<std::uint64_t, std::size_t{1} << rank_bits> ranks;  // 1 + rank of each of `found`, by hash
-    double shallow = 0.0, deep = 0.0;                              // the depths that `thinned` covers
+    std::vector<kernel::Candidate> members;  // the samples of one neighbour after the other
+    std::vector<std::uint32_t> starts;       // of each neighbour in `members`; last, the end
+    std::vector<std::uint64_t> order;        // rank of the first member and number of the neighbour, sorted
+    std::vector<kernel::SharedNeighbor> rows;
     double reach = 0.0;  // how far along the hole the previous group looked for far neighbours
     kernel::SharedRoom room;
 };
@@ -58,7 +90,6 @@ struct NearFar::Scratch {
 NearFar::NearFar(const Settings& settings)
     : rule_{},
       near_((3 * settings.neighbors + 7) / 8),
-      wanted_(settings.neighbors),
       short_(metric_of(settings, 0, near_)),
       long_(metric_of(settings, long_term(settings), near_)),
       max_distance_(settings.max_distance),
@@ -76,11 +107,15 @@ NearFar::NearFar(const Settings& settings)
         rule_.along[t] = 3.0 / (term[2] * term[2]);
     }
     const double* term = values.data() + 2 + 3 * long_term(settings);
+    const bool noisy = rule_.noise > large_noise * term[0];
+    wanted_ = noisy ? (3 * settings.neighbors + 1) / 2 : settings.neighbors;
+    averaged_ = noisy ? kernel::most_averaged : 1;
+    const double size = noisy ? small_share : share;
     stretch_ = term[2] / term[1];
     cells_.turn = rule_.turn;
-    cells_.height = share * term[2];
+    cells_.height = size * term[2];
     cells_.around =
-        static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (share * term[1])), 1.0, 4096.0));
+        static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (size * term[1])), 1.0, 4096.0));
 }
 
 NearFar::~NearFar() = default;
@@ -90,17 +125,16 @@ NearFar::Scratch& NearFar::scratch_of(Search::Scratch& scratch) const {
     return *static_cast<Scratch*>(scratch.near_far.get());
 }
 
-// Lists the samples of the thinned set with depths from the row of cells that holds `low` to the one that holds `high`.
+// Lists the cells from the row of cells that holds the depth `low` to the one that holds `high`.
 void NearFar::gather_cells(const Samples& samples, double low, double high, Scratch& scratch) const {
-    scratch.thinned.clear();
+    scratch.cells.clear();
     const double first = cells_.row(low), last = cells_.row(high);
     double row = first - 1.0;
     for (std::size_t i = samples.step_to(first * cells_.height - cells_.height, {}, 1).chunk;
          i < samples.chunks().size(); ++i) {
         const Chunk& chunk = *samples.chunks()[i];
         if (cells_.row(chunk.first_depth()) > last) break;
-        const Index rank = samples.rank({i, 0});
-        for (const std::uint16_t at : chunk.thinned(cells_)) {
+        for (const std::uint16_t at : chunk.rows_of(cells_).first) {
             const double in_row = cells_.row(chunk.depth()[at]);
             if (in_row < first) continue;
             if (in_row > last) break;
@@ -110,18 +144,52 @@ void NearFar::gather_cells(const Samples& samples, double low, double high, Scra
                 scratch.seen[static_cast<std::size_t>(cells_.column(chunk.depth()[at], chunk.toolface()[at]))];
             if (seen) continue;
             seen = 1;
-            scratch.thinned.push_back({chunk.depth()[at], chunk.toolface()[at], chunk.radius()[at], rank + at});
+            scratch.cells.push_back({i, at});
         }
     }
     scratch.shallow = first * cells_.height;
     scratch.deep = (last + 1.0) * cells_.height;
 }
 
+// Calls use(position, sample) for the samples of a cell from one of them on, in order, without near neighbours, until
+// it returns false.
+template <class Use>
+void NearFar::each_member(const Samples& samples, const Scratch& scratch, Samples::Place at, Use use) const {
+    const auto row_at = [&](Samples::Place p) { return cells_.row(samples.chunks()[p.chunk]->depth()[p.offset]); };
+    const auto column_at = [&](Samples::Place p) {
+        const Chunk& chunk = *samples.chunks()[p.chunk];
+        return cells_.column(chunk.depth()[p.offset], chunk.toolface()[p.offset]);
+    };
+    const Samples::Place start = at;
+    for (;;) {
+        const Chunk& chunk = *samples.chunks()[at.chunk];
+        const Index rank = samples.rank({at.chunk, 0});
+        const std::vector<std::uint16_t>& next = chunk.rows_of(cells_).next;
+        do {
+            const auto i = static_cast<std::size_t>(at.offset);
+            if (!scratch.near.contains(rank + at.offset) &&
+                !use(at, kernel::Candidate{chunk.depth()[i], chunk.toolface()[i], chunk.radius()[i], rank + at.offset}))
+                return;
+            at.offset = next[i];
+        } while (at.offset != 0);
+        const double row = row_at(start);
+        const Index column = column_at(start);
+        do {  // few cells lie in more than one chunk
+            if (++at.chunk == samples.chunks().size() || row_at({at.chunk, 0}) > row) return;
+            const std::vector<std::uint16_t>& firsts = samples.chunks()[at.chunk]->rows_of(cells_).first;
+            const auto same = std::ranges::find_if(firsts, [&](std::uint16_t first) {
+                return row_at({at.chunk, first}) == row && column_at({at.chunk, first}) == column;
+            });
+            at.offset = same == firsts.end() ? -1 : *same;
+        } while (at.offset < 0);
+    }
+}
+
 double NearFar::find_far(const Samples& samples, const kernel::Group& g, double half_width, Scratch& scratch) const {
     const auto wanted = static_cast<std::size_t>(wanted_);
     const double degree = rule_.radius * kernel::metres_a_degree, half_height = 0.5 * std::abs(g.depth[7] - g.depth[0]);
     const auto nearer = [](const Far& a, const Far& b) {
-        return a.square < b.square || (a.square == b.square && a.row < b.row);
+        return std::tie(a.square, a.first.chunk, a.first.offset) < std::tie(b.square, b.first.chunk, b.first.offset);
     };
     std::vector<Far>& found = scratch.far;
     if (scratch.reach == 0.0) scratch.reach = 2.0 * cells_.height;
@@ -131,15 +199,16 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
         const bool all =
             reach >= max_distance_ || (scratch.shallow <= samples.first_depth() && scratch.deep > samples.last_depth());
         found.clear();
-        for (std::size_t i = 0; i < scratch.thinned.size(); ++i) {
-            const kernel::Candidate& c = scratch.thinned[i];
+        const auto judge = [&](Samples::Place at, const kernel::Candidate& c) {
             const double along = std::max(std::abs(c.depth - g.middle) - half_height, 0.0);
             const double turned = c.toolface - g.center - rule_.turn * (c.depth - g.middle);
             const double turn = std::abs(std::remainder(turned, 360.0));
             const double across = degree * std::max(turn - half_width, 0.0);
-            if (across * across + along * along > max_square_) continue;
-            found.push_back({stretch_ * across * (stretch_ * across) + along * along, i});
-        }
+            if (across * across + along * along <= max_square_)
+                found.push_back({stretch_ * across * (stretch_ * across) + along * along, at});
+            return false;
+        };
+        for (const Samples::Place first : scratch.cells) each_member(samples, scratch, first, judge);
         double farthest = max_distance_;
         if (found.size() >= wanted) {
             std::nth_element(found.begin(), found.begin() + wanted_ - 1, found.end(), nearer);
@@ -163,44 +232,79 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
     kernel::Group g =
         short_.neighbours(samples, helix, group, all, scratch.by_short, scratch.near_short.data(), by_short);
     long_.neighbours(samples, helix, group, all, scratch.by_long, scratch.near_long.data(), by_long);
-    const double half_width = std::min(180.0, 1260.0 / static_cast<double>(helix.sectors));  // 3.5 sectors
-    const double far = find_far(samples, g, half_width, scratch) * (1.0 + 1e-6);
-    shallow = std::min({by_short.shallow, by_long.shallow, cells_.row(g.middle - far) * cells_.height});
-    deep = std::max({by_short.deep, by_long.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
-
     const double degree = rule_.radius * kernel::metres_a_degree;
-    scratch.found.clear();
+    scratch.members.clear();
+    scratch.starts.clear();
     scratch.order.clear();
-    scratch.ranks.fill(0);
-    const auto put = [&](const kernel::Candidate& c, auto near_enough) {  // the first time that it is near enough
-        const std::uint64_t key = static_cast<std::uint64_t>(c.rank) + 1;
-        std::size_t at = key * 0x9e3779b97f4a7c15 >> (64 - rank_bits);
-        while (scratch.ranks[at] != 0 && scratch.ranks[at] != key) at = (at + 1) % scratch.ranks.size();
-        if (scratch.ranks[at] == key || !near_enough()) return;
-        scratch.ranks[at] = key;
-        scratch.order.push_back(static_cast<std::uint64_t>(c.rank) << rank_bits | scratch.found.size());
-        scratch.found.push_back(c);
+    scratch.near.clear();
+    const auto begin = [&](Index rank) {  // of a neighbour
+        scratch.order.push_back(static_cast<std::uint64_t>(rank) << number_bits | scratch.starts.size());
+        scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
     };
     for (const std::vector<kernel::Candidate>* near : {&scratch.near_short, &scratch.near_long})
         for (std::size_t i = 0; i < room; ++i) {
             const kernel::Candidate& c = (*near)[i];
             if (c.depth == kernel::none_depth) continue;
-            put(c, [&] {
-                const std::size_t lane = i % lanes;
-                const double along = c.depth - g.depth[lane], turn = std::abs(c.toolface - g.toolface[lane]);
-                const double across = degree * std::min(turn, 360.0 - turn);
-                return across * across + along * along <= max_square_;
-            });
+            const std::size_t lane = i % lanes;
+            const double along = c.depth - g.depth[lane], turn = std::abs(c.toolface - g.toolface[lane]);
+            const double across = degree * std::min(turn, 360.0 - turn);
+            if (across * across + along * along > max_square_ || !scratch.near.insert(c.rank)) continue;
+            begin(c.rank);
+            scratch.members.push_back(c);
         }
-    for (const Far& each : scratch.far) put(scratch.thinned[each.row], [] { return true; });
-    std::sort(scratch.order.begin(), scratch.order.end());
-    scratch.rows.clear();
-    for (const std::uint64_t key : scratch.order) scratch.rows.push_back(scratch.found[key % scratch.ranks.size()]);
+    const double half_width = std::min(180.0, 1260.0 / static_cast<double>(helix.sectors));  // 3.5 sectors
+    const double far = find_far(samples, g, half_width, scratch) * (1.0 + 1e-6);
+    for (const Far& each : scratch.far) {
+        const std::size_t first = scratch.members.size();
+        each_member(samples, scratch, each.first, [&](Samples::Place, const kernel::Candidate& c) {
+            if (scratch.members.size() == first) begin(c.rank);
+            scratch.members.push_back(c);
+            return scratch.members.size() < first + averaged_;
+        });
+    }
+    scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
+    std::ranges::sort(scratch.order);
+    shallow = std::min({by_short.shallow, by_long.shallow, cells_.row(g.middle - far) * cells_.height});
+    deep = std::max({by_short.deep, by_long.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
     return g;
 }
 
-// Kriges from the rows in `scratch`. A vertex has a radius if one of them is within max_distance of it.
-void NearFar::krige(kernel::Group& g, Scratch& scratch) const {
+// Returns the mean of samples of a cell; `value` gives that of a sample, or NaN: the sample then does not count.
+template <class Value>
+kernel::SharedNeighbor NearFar::mean_of(std::span<const kernel::Candidate> members, const Value& value) const {
+    const kernel::Candidate& start = members.front();
+    if (members.size() == 1 && !std::isnan(value(start)))
+        return {{start.depth, start.toolface, value(start), start.rank}, 1.0};
+    double base = 0.0;
+    kernel::SharedNeighbor mean{{0.0, 0.0, 0.0, start.rank}, 0.0};
+    for (const kernel::Candidate& c : members) {
+        const double of = value(c);
+        if (std::isnan(of)) continue;
+        if (mean.count == 0.0) base = of;
+        mean.count += 1.0;
+        const double along = c.depth - start.depth, turned = c.toolface - start.toolface - rule_.turn * along;
+        const double turn = turned - 360.0 * std::floor(turned * (1.0 / 360.0) + 0.5);
+        mean.depth += along;
+        mean.toolface += turn;
+        mean.radius += of - base;
+    }
+    for (double* sum : {&mean.depth, &mean.toolface, &mean.radius}) *sum /= mean.count;
+    mean.toolface = wrap_toolface(start.toolface + mean.toolface + rule_.turn * mean.depth);
+    mean.depth += start.depth;
+    mean.radius += base;
+    return mean;
+}
+
+// Kriges the values of the neighbours in `scratch`; NaN values do not count. A vertex has a radius if a sample is
+// within max_distance of it.
+template <class Value>
+void NearFar::krige(kernel::Group& g, Scratch& scratch, const Value& value) const {
+    scratch.rows.clear();
+    for (const std::uint64_t key : scratch.order) {
+        const std::uint32_t* start = &scratch.starts[key % (std::uint64_t{1} << number_bits)];
+        const auto mean = mean_of(std::span(scratch.members).subspan(start[0], start[1] - start[0]), value);
+        if (mean.count > 0.0) scratch.rows.push_back(mean);
+    }
     const int n = static_cast<int>(scratch.rows.size());
     if (n > 0) short_.functions().krige_shared(g, scratch.rows.data(), n, rule_, scratch.room);
     for (Index lane = 0; lane < lanes; ++lane) {
@@ -228,7 +332,7 @@ void NearFar::run(const Samples& samples, const Helix& helix, Index group, Searc
     each_part(helix, group, [&](const Helix& whole, Index number, Index first, Index count, Index to) {
         double shallow = 0.0, deep = 0.0;
         kernel::Group g = find(samples, whole, number, own, shallow, deep);
-        krige(g, own);
+        krige(g, own, [](const kernel::Candidate& c) { return c.radius; });
         result.shallow = std::min(result.shallow, shallow);
         result.deep = std::max(result.deep, deep);
         for (Index from = first; from < first + count; ++from, ++to) {
@@ -251,14 +355,10 @@ void NearFar::interpolate(const Samples& samples, const Helix& helix, Index grou
     each_part(helix, group, [&](const Helix& whole, Index number, Index first, Index count, Index to) {
         double shallow = 0.0, deep = 0.0;
         const kernel::Group found = find(samples, whole, number, own, shallow, deep);
-        const std::vector<kernel::Candidate> rows = own.rows;
         const Index used = std::min(count, vertex_count - group * lanes - to);
         for (std::size_t c = 0; c < channels.size(); ++c) {
-            own.rows = rows;
-            for (kernel::Candidate& row : own.rows) row.radius = channels[c][static_cast<std::size_t>(row.rank)];
-            std::erase_if(own.rows, [](const kernel::Candidate& row) { return std::isnan(row.radius); });
             kernel::Group g = found;
-            krige(g, own);
+            krige(g, own, [&](const kernel::Candidate& of) { return channels[c][static_cast<std::size_t>(of.rank)]; });
             for (Index i = 0; i < used; ++i) out[c][to + i] = g.radius[first + i];
         }
     });

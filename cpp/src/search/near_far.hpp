@@ -5,12 +5,14 @@
 //
 //     near, short metric      for each vertex, the 3 V / 8 nearest by hypot(R turn / around, depth / along) of term 1
 //     near, long metric       the same by term 2: along an arm, into the next turn
-//     far                     the V of a thinned set that are nearest to the group in the long metric: on all sides
+//     far                     the V cells that are nearest to the group in the long metric: on all sides
 //
-// The thinned set holds the first sample, in canonical order, of each cell of the hole: `share` of the long term's
-// lengths along and around. It depends on nothing else, so it belongs to the canonical order. Samples farther than
-// max_distance from the vertex (far: from the group), on a wall of radius R, are not used. Nothing iterates: R is a
-// setting.
+// A cell of the hole is 0.35 of the long term's lengths along and around. A far neighbour is the first sample of its
+// cell, in canonical order, that is not a near neighbour; the cell lies where that sample does. If the noise is above a
+// quarter of the variance of the long term, it is the mean of the first 32 such samples, at the mean of their
+// positions, with a 32nd of the noise; cells are then 0.25 of the lengths, and 3 V / 2 of them are used. A sample
+// counts once. Samples farther than max_distance from the vertex (far: cells, from the group), on a wall of radius R,
+// are not used. Nothing iterates: R is a setting.
 #pragma once
 
 #include <memory>
@@ -42,10 +44,15 @@ class NearFar {
     kernel::Group find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, double& shallow,
                        double& deep) const;
     // Lists the far neighbours. Returns the greatest distance along the hole, from the middle of the group, at which
-    // one more sample of the thinned set would be used.
+    // one more cell would be used.
     double find_far(const Samples& samples, const kernel::Group& g, double half_width, Scratch& scratch) const;
     void gather_cells(const Samples& samples, double low, double high, Scratch& scratch) const;
-    void krige(kernel::Group& g, Scratch& scratch) const;
+    template <class Use>
+    void each_member(const Samples& samples, const Scratch& scratch, Samples::Place at, Use use) const;
+    template <class Value>
+    kernel::SharedNeighbor mean_of(std::span<const kernel::Candidate> members, const Value& value) const;
+    template <class Value>
+    void krige(kernel::Group& g, Scratch& scratch, const Value& value) const;
     // Calls use(helix, group, first, count, to) for the one or two groups of the whole helix that a group of a stretch
     // consists of: the vertices [first, first + count) of a group are those from `to` on of the stretch's group.
     template <class Use>
@@ -53,9 +60,11 @@ class NearFar {
     Scratch& scratch_of(Search::Scratch& scratch) const;
 
     kernel::CovarianceRule rule_;
-    int near_, wanted_;  // near neighbours of a vertex in each metric, and far neighbours of a group
+    int near_;  // near neighbours of a vertex in each metric
     Search short_, long_;
     Cells cells_;
+    int wanted_;                                  // far neighbours of a group
+    std::size_t averaged_;                        // greatest number of samples of one of them
     double max_distance_, max_square_, stretch_;  // stretch_: along / around of the long metric
 };
 

@@ -60,7 +60,8 @@ class Settings(Declared, group="wall"):
     neighbors: Annotated[int, within(1, 256), Option("8; kriging: 16"),
         "Number of nearest samples that make a vertex. With kriging, at most 64. With 'near-and-far', at most 21: "
         "eight vertices share their neighbours: 3/8 of this number near each vertex, in each of two metrics, and this "
-        "number of far ones. None: 8; with kriging and 'near-and-far' 16. V in the published method.",
+        "number of far ones, half more where noise is large. None: 8; with kriging and 'near-and-far' 16. V in the "
+        "published method.",
     ] = cast(int, None)  # fmt: skip  # becomes 8 or 16
     window: Annotated[int | None, at_least(1), Option("all"),
         "Search only this many samples around a vertex, as in the published method. They are consecutive in depth (U). "
@@ -86,7 +87,8 @@ class Settings(Declared, group="wall"):
         "Kriging weighs neighbours by how alike two radii are at their distance, so it averages out noise and follows "
         "slopes. Its radius may lie outside the radii used, by at most half of their range. 'near-and-far' is kriging "
         "by ``covariance``, with neighbours that are near in the metric of its first term, near in that of its second "
-        "term, and far on all sides; a larger ``max_distance`` lets it use a shape that continues along the hole. "
+        "term, and far on all sides (means of up to 32 samples where noise is large); a larger ``max_distance`` lets "
+        "it use a shape that continues along the hole. "
         "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
         "that are left out or, between arms, by the covariance; a live wall must be given one of the three.",
     ] = "inverse-distance"  # fmt: skip

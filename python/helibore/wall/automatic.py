@@ -196,5 +196,5 @@ def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settin
             across, along = among.across(samples[1][rows], place[1]), samples[0][rows] - place[0]
             distance = np.maximum(np.hypot(scale * across, along), 1e-9)
             weights = (distance.min() / distance) ** settings.power
-            squares[i] = among.square_error(rows, weights / weights.sum(), place)
+            squares[i] = among.square_error(among.of_rows(rows), weights / weights.sum(), place)
     return _root(squares)

@@ -8,6 +8,7 @@ left out, and a place has its expected error under the covariance.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,11 @@ from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term, covariance_of
 from helibore.wall.estimates import Boxes, Columns, in_core
 
-SHARE = 0.35
-"""Size of a cell of the thinned set, as a share of the lengths of the long term; also in `near_far.cpp`."""
+SHARE, SMALL_SHARE = 0.35, 0.25
+"""Size of the cell of a far neighbour, as a share of the lengths of the long term; the small one where noise is large.
+These and the next two are also in `near_far.cpp`, which says what they do."""
+_LARGE_NOISE = 0.25
+_MOST_AVERAGED = 32
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
 
@@ -30,12 +34,24 @@ Place = tuple[float, float]
 """Depth (m) and toolface (degrees)."""
 
 
+class Neighbours(NamedTuple):
+    """Neighbours of one place, (n), or of m places, (m, n): samples, or means of some."""
+
+    depth: Floats
+    toolface: Floats
+    radius: Floats
+    members: Floats  # number of samples of each
+
+
 class Places:
     """Neighbours of places on the wall among the samples, which are in order of depth."""
 
     def __init__(self, samples: Columns, covariance: Covariance, count: int, max_distance: float) -> None:
         self.samples, self.covariance, self.count, self.max_distance = samples, covariance, count, max_distance
         self._long = covariance.terms[min(1, len(covariance.terms) - 1)]
+        noisy = covariance.noise > _LARGE_NOISE * self._long.variance
+        self._share, self._averaged = (SMALL_SHARE, _MOST_AVERAGED) if noisy else (SHARE, 1)
+        self._wanted = (3 * count + 1) // 2 if noisy else count
 
     def nearest(self, places: Sequence[Place], term: Term, count: int, boxes: Boxes | None = None) -> list[Integers]:
         """Return the rows of the nearest samples of each place by the lengths of a term, outside its box."""
@@ -48,12 +64,21 @@ class Places:
         found = _core.nearest_to(in_core(self.samples), points, vars(settings), stretch, thread_count(None))
         return [rows[rows >= 0] for rows in found]
 
-    def neighbours(self, places: Sequence[Place], boxes: Boxes | None = None) -> list[Integers]:
-        """Return the rows of the near and far neighbours of each place, in order."""
+    def neighbours(self, places: Sequence[Place], boxes: Boxes | None = None) -> list[Neighbours]:
+        """Return the near and far neighbours of each place."""
         near = [self.nearest(places, term, self.count, boxes) for term in self.covariance.terms[:2]]
         sizes = np.column_stack(boxes or (np.full(len(places), -1.0),) * 2).tolist()
-        far = [self._far(place, box) for place, box in zip(places, sizes, strict=True)]
-        return [distinct(np.concatenate(rows)) for rows in zip(*near, far, strict=True)]
+        found = []
+        for place, box, *by_term in zip(places, sizes, *near, strict=True):
+            rows = distinct(np.concatenate(by_term))
+            both = zip(self.of_rows(rows), self._far(place, box, rows), strict=True)
+            found.append(Neighbours._make(np.concatenate(parts) for parts in both))
+        return found
+
+    def of_rows(self, rows: Integers) -> Neighbours:
+        """Return samples as neighbours."""
+        depth, toolface, radius = self.samples
+        return Neighbours(depth[rows], toolface[rows], radius[rows], np.ones(rows.size))
 
     def across(self, toolface: Floats, at: float) -> Floats:
         """Return the arc lengths from toolfaces to another, metres."""
@@ -69,55 +94,71 @@ class Places:
         turn = np.minimum(turn, 360.0 - turn)
         return rows[(np.abs(depth[rows] - place[0]) > box[0]) | (turn > box[1])]
 
-    def _far(self, place: Place, box: Sequence[float]) -> Integers:
-        depth, toolface, _ = self.samples
-        height = SHARE * self._long.along
-        around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (SHARE * self._long.around)))
+    def _far(self, place: Place, box: Sequence[float], near: Integers) -> Neighbours:
+        depth, toolface, radius = self.samples
+        height = self._share * self._long.along
+        around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (self._share * self._long.around)))
         half = min(self.max_distance, 1.5 * self._long.along + max(box[0], 0.0))
         first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
         start, stop = np.searchsorted(depth, [first, last])
         rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)
+        rows = rows[~np.isin(rows, near)]
         turned = (toolface[rows] - self.covariance.turn * depth[rows]) % 360.0
         column = np.minimum((turned * (around / 360.0)).astype(np.int64), around - 1)
         cell = np.floor((depth[rows] - first) / height).astype(np.int64) * around + column
-        of_cell = np.full(cell.max(initial=-1) + 1, -1)
-        of_cell[cell[::-1]] = rows[::-1]  # the first row of a cell is assigned last
-        rows = of_cell[of_cell >= 0]
-        along = depth[rows] - place[0]
-        across = self.across((toolface[rows] - self.covariance.turn * along) % 360.0, place[1])
-        rows, along, across = _within(self.max_distance, rows, along, across)
+        order = np.argsort(cell, kind="stable")
+        rows, starts = rows[order], np.flatnonzero(np.diff(cell[order], prepend=-1))
+        stops = np.minimum(np.append(starts[1:], rows.size), starts + self._averaged)
+        leads = rows[starts]
+        along = depth[leads] - place[0]
+        across = self.across((toolface[leads] - self.covariance.turn * along) % 360.0, place[1])
         square = (across / self._long.around) ** 2 + (along / self._long.along) ** 2
-        return rows if rows.size <= self.count else rows[np.argpartition(square, self.count - 1)[: self.count]]
+        within = np.flatnonzero(np.hypot(along, across) <= self.max_distance)
+        if within.size > self._wanted:
+            within = within[np.argpartition(square[within], self._wanted - 1)[: self._wanted]]
+        if not within.size:
+            return self.of_rows(within)
+        counts = (stops - starts)[within]
+        begins = np.cumsum(counts) - counts
+        of_cells = rows[np.repeat(starts[within] - begins, counts) + np.arange(counts.sum())]
+        leads = np.repeat(leads[within], counts)
+        down = depth[of_cells] - depth[leads]
+        turn = (toolface[of_cells] - toolface[leads] - self.covariance.turn * down + 180.0) % 360.0 - 180.0
+        means = [np.add.reduceat(of, begins) / counts for of in (down, turn, radius[of_cells])]
+        at = depth[leads[begins]] + means[0]
+        return Neighbours(
+            at, toolface[leads[begins]] + means[1] + self.covariance.turn * means[0], means[2], 1.0 * counts
+        )
 
-    def between(self, rows: Integers) -> Floats:
-        """Return the covariances of samples with each other, noise included; of m rows of n samples, (m, n, n)."""
-        depth, toolface, _ = self.samples
-        turn, along = (of[rows][..., :, None] - of[rows][..., None, :] for of in (toolface, depth))
-        return self.covariance.at(turn, along) + self.covariance.noise * np.eye(rows.shape[-1])
+    def between(self, of: Neighbours) -> Floats:
+        """Return the covariances of neighbours with each other, noise included, (n, n) or (m, n, n)."""
+        turn, along = (at[..., :, None] - at[..., None, :] for at in (of.toolface, of.depth))
+        noise = self.covariance.noise / of.members
+        return self.covariance.at(turn, along) + noise[..., None] * np.eye(of.depth.shape[-1])
 
-    def toward(self, rows: Integers, place: tuple[Floats, Floats] | Place) -> Floats:
-        """Return the covariances of samples with the radius at a place."""
-        depth, toolface, _ = self.samples
-        return self.covariance.at(toolface[rows] - place[1], depth[rows] - place[0])
+    def toward(self, of: Neighbours, place: tuple[Floats, Floats] | Place) -> Floats:
+        """Return the covariances of neighbours with the radius at a place."""
+        return self.covariance.at(of.toolface - place[1], of.depth - place[0])
 
     def estimates(self, places: Sequence[Place], boxes: Boxes | None = None) -> Floats:
         """Return the radius at each place (m) and its kriging variance (m^2), (m, 2); NaN if it has no neighbour."""
-        rows, found = self.neighbours(places, boxes), np.full((len(places), 2), np.nan)
+        neighbours, found = self.neighbours(places, boxes), np.full((len(places), 2), np.nan)
         for first in range(0, len(places), _AT_ONCE):
             part = slice(first, first + _AT_ONCE)
-            found[part] = self._estimates(places[part], rows[part])
+            found[part] = self._estimates(places[part], neighbours[part])
         return found
 
-    def _estimates(self, places: Sequence[Place], rows: list[Integers]) -> Floats:
+    def _estimates(self, places: Sequence[Place], neighbours: list[Neighbours]) -> Floats:
         """Solve all systems at once: those of fewer neighbours have rows of 0 more, and 1 on the diagonal."""
-        counts = np.array([of.size for of in rows])
+        counts = np.array([of.depth.size for of in neighbours])
         used = np.arange(max(counts.max(), 1)) < counts[:, None]
-        all_rows = np.zeros(used.shape, dtype=np.int64)
-        all_rows[used] = np.concatenate(rows)
-        matrix = np.where(used[:, :, None] & used[:, None], self.between(all_rows), np.eye(used.shape[1]))
+        of = Neighbours(*(np.ones(used.shape) for _ in Neighbours._fields))
+        for whole, parts in zip(of, zip(*neighbours, strict=True), strict=True):
+            whole[used] = np.concatenate(parts)
+        matrix = np.where(used[:, :, None] & used[:, None], self.between(of), np.eye(used.shape[1]))
         at = np.array(places).T[..., None]
-        toward = used * self.toward(all_rows, (at[0], at[1]))
-        radius = used * (self.samples[2][all_rows] - self.covariance.radius)
+        toward = used * self.toward(of, (at[0], at[1]))
+        radius = used * (of.radius - self.covariance.radius)
         one, value, of_place = np.moveaxis(np.linalg.solve(matrix, np.stack([1.0 * used, radius, toward], -1)), -1, 0)
         with np.errstate(divide="ignore", invalid="ignore"):  # without a neighbour 0 / 0
             mean = value.sum(axis=1) / one.sum(axis=1)
@@ -126,15 +167,10 @@ class Places:
         variance = np.maximum(self.covariance.variance - np.sum(toward * of_place, axis=1) + rest, 0.0)
         return np.where(counts[:, None] > 0, np.column_stack([estimate, variance]), np.nan)
 
-    def square_error(self, rows: Integers, weights: Floats, place: Place) -> float:
-        """Return the expected square of the error of a weighted mean of samples at a place, m^2."""
-        expected = weights @ self.between(rows) @ weights - 2.0 * weights @ self.toward(rows, place)
+    def square_error(self, of: Neighbours, weights: Floats, place: Place) -> float:
+        """Return the expected square of the error of a weighted mean of neighbours at a place, m^2."""
+        expected = weights @ self.between(of) @ weights - 2.0 * weights @ self.toward(of, place)
         return max(float(self.covariance.variance + expected), 0.0)
-
-
-def _within(max_distance: float, rows: Integers, along: Floats, across: Floats) -> tuple[Integers, Floats, Floats]:
-    near = np.hypot(along, across) <= max_distance
-    return rows[near], along[near], across[near]
 
 
 def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, box: Boxes | None = None) -> Floats:

@@ -335,19 +335,20 @@ def test_nearest_samples_lie_outside_the_box_within_max_distance(term: Term) -> 
 def test_far_neighbours_of_a_shape_that_is_short_along_the_hole_are_found_without_a_box() -> None:
     depth, toolface = np.arange(400) * 0.01, np.arange(400) * 37.0 % 360.0
     covariance = Covariance((Term(1e-6, 0.02, 0.02), Term(9e-6, 0.1, 0.4)), 1e-7, 0.11)
-    (rows,) = Places((depth, toolface, np.full(400, 0.1)), covariance, 4, 1.0).neighbours([(2.0, 10.0)])
-    assert rows.size > 5
+    (found,) = Places((depth, toolface, np.full(400, 0.1)), covariance, 4, 1.0).neighbours([(2.0, 10.0)])
+    assert found.depth.size > 5
 
 
-def test_the_expected_error_of_kriging_weights_is_the_kriging_variance() -> None:
+@pytest.mark.parametrize("noise", [1e-7, 1e-5], ids=["samples", "means"])
+def test_the_expected_error_of_kriging_weights_is_the_kriging_variance(noise: float) -> None:
     rng = np.random.default_rng(8)
     depth, toolface = np.sort(rng.uniform(0.0, 3.0, 200)), rng.uniform(0.0, 360.0, 200)
-    covariance = Covariance((Term(1e-6, 0.05, 0.06), Term(9e-6, 0.1, 1.0)), 1e-7, 0.11)
+    covariance = Covariance((Term(1e-6, 0.05, 0.06), Term(9e-6, 0.1, 1.0)), noise, 0.11)
     places = Places((depth, toolface, np.full(200, 0.1)), covariance, 8, 1.0)
     place = (1.4, 33.0)
-    (rows,) = places.neighbours([place])
-    one = np.ones(rows.size)
-    inverse = np.linalg.inv(places.between(rows))
-    toward = places.toward(rows, place)
+    (found,) = places.neighbours([place])
+    one = np.ones(found.depth.size)
+    inverse = np.linalg.inv(places.between(found))
+    toward = places.toward(found, place)
     weights = inverse @ (toward + one * (1.0 - one @ inverse @ toward) / (one @ inverse @ one))
-    assert places.square_error(rows, weights, place) == pytest.approx(places.estimates([place])[0, 1], rel=1e-9)
+    assert places.square_error(found, weights, place) == pytest.approx(places.estimates([place])[0, 1], rel=1e-9)

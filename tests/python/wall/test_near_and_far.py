@@ -15,6 +15,8 @@ TWO = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5)
 THREE = (0.11, 1e-6, 1e-6, 0.2, 0.1, 4e-6, 0.05, 0.3, 1e-6, 0.01, 0.02)
 ONE = (0.1, 1e-8, 4e-6, 0.08, 0.2)
 TURNING = (*TWO, 12.5)
+NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4)
+NOISY_TURNING = (0.11, 8e-6, 2e-6, 0.03, 0.06, 1e-5, 0.1, 3.0, 40.0)
 
 
 def near_and_far(columns: tuple[Floats, ...], **settings: Any) -> hb.Wall:
@@ -26,17 +28,14 @@ def arcs(toolface: Floats, at: Floats, radius: float) -> Floats:
     return np.asarray(np.radians(np.abs((toolface - at + 180.0) % 360.0 - 180.0)) * radius)
 
 
-def thinned(depth: Floats, toolface: Floats, radius: float, around: float, along: float, turn: float) -> list[int]:
-    """The first sample of each cell, sample by sample."""
-    columns = int(np.ceil(2.0 * np.pi * radius / (0.35 * around)))
-    seen: set[tuple[int, int]] = set()
-    first = []
+def cells_of(depth: Floats, toolface: Floats, radius: float, size: tuple[float, float], turn: float) -> list[list[int]]:
+    """The samples of each cell of a size around and along, sample by sample."""
+    columns = int(np.ceil(2.0 * np.pi * radius / size[0]))
+    cells: dict[tuple[int, int], list[int]] = {}
     for row, (at, angle) in enumerate(zip(depth, (toolface - turn * depth) % 360.0, strict=True)):
-        cell = int(np.floor(at / (0.35 * along))), min(int(angle * (columns / 360.0)), columns - 1)
-        if cell not in seen:
-            seen.add(cell)
-            first.append(row)
-    return first
+        cell = int(np.floor(at / size[1])), min(int(angle * (columns / 360.0)), columns - 1)
+        cells.setdefault(cell, []).append(row)
+    return list(cells.values())
 
 
 def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats]:
@@ -54,22 +53,35 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
         a = [np.sqrt(3.0 * ((chord / around) ** 2 + (along / length) ** 2)) for _, around, length in terms]
         return np.asarray(sum(term[0] * (1.0 + x) * np.exp(-x) for term, x in zip(terms, a, strict=True)))
 
-    def kriged(near: list[int], place: float, angle: float) -> tuple[float, float, int]:
+    def kriged(near: list[int], means: list[list[int]], place: float, angle: float) -> tuple[float, float, int]:
         if not (np.hypot(arcs(toolface[near], angle, at), depth[near] - place) <= limit).any():
             return np.nan, np.nan, 0
-        n = len(near)
+        members = [[row] for row in near] + means
+        count, n = np.array([len(of) for of in members]), len(members)
+        down = np.array([depth[of].mean() for of in members])
+        value = np.array([radius[of].mean() for of in members])
+        turned = [
+            (toolface[of] - toolface[of[0]] - turns * (depth[of] - depth[of[0]]) + 180) % 360 - 180 for of in members
+        ]
+        angles = np.array(
+            [
+                toolface[of[0]] + off.mean() + turns * (middle - depth[of[0]])
+                for of, off, middle in zip(members, turned, down, strict=True)
+            ]
+        )
         matrix = np.ones((n + 1, n + 1))
         matrix[n, n] = 0.0
-        turn, apart = toolface[near][:, None] - toolface[near], depth[near][:, None] - depth[near]
-        matrix[:n, :n] = covariance(turn, apart) + noise * np.eye(n)
-        toward = np.append(covariance(toolface[near] - angle, depth[near] - place), 1.0)
+        matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count)
+        toward = np.append(covariance(angles - angle, down - place), 1.0)
         weights = np.linalg.solve(matrix, toward)
         variance = sum(term[0] for term in terms) - weights @ toward
-        low, half = radius[near].min(), 0.5 * np.ptp(radius[near])
-        return np.clip(weights[:n] @ radius[near], low - half, low + 3.0 * half), variance, n
+        low, half = value.min(), 0.5 * np.ptp(value)
+        return np.clip(weights[:n] @ value, low - half, low + 3.0 * half), variance, n
 
     long = terms[min(1, len(terms) - 1)]
-    far = np.isin(np.arange(depth.size), thinned(depth, toolface, at, *long[1:], turns))
+    noisy = noise > 0.25 * long[0]
+    share, averaged, wanted = (0.25, 32, (3 * settings.neighbors + 1) // 2) if noisy else (0.35, 1, settings.neighbors)
+    cells = cells_of(depth, toolface, at, (share * long[1], share * long[2]), turns)
     near = (3 * settings.neighbors + 7) // 8
     places = np.column_stack([wall.depth, wall.toolface])
     assert len(places) % 8 == 0
@@ -90,8 +102,11 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
         turned = toolface - turns * (depth - group[:, 0].mean())
         across = np.maximum(arcs(turned, center, at) - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
         along = np.maximum(np.abs(depth - group[:, 0].mean()) - np.ptp(group[:, 0]) / 2, 0.0)
-        rows |= nearest(across, along, long, far, settings.neighbors)
-        found += [kriged(sorted(rows), place, angle) for place, angle in group]
+        left = [[row for row in cell if row not in rows] for cell in cells]
+        of_first = {cell[0]: cell[:averaged] for cell in left if cell}
+        far = nearest(across, along, long, np.isin(np.arange(depth.size), list(of_first)), wanted)
+        means = [of_first[row] for row in sorted(far)]
+        found += [kriged(sorted(rows), means, place, angle) for place, angle in group]
     return tuple(np.array(found).T)
 
 
@@ -104,6 +119,9 @@ CASES: list[dict[str, Any]] = [
     {"shape": "washed", "n": 400, "length": 4.0, "neighbors": 1, "max_distance": 5.0},
     {"shape": "spiral", "n": 900, "length": 30.0, "covariance": TURNING, "max_distance": 10.0},
     {"shape": "oval", "n": 300, "length": 5.0, "covariance": (*ONE, -300.0)},
+    {"shape": "spiral", "n": 6000, "length": 3.0, "covariance": NOISY},
+    {"shape": "oval", "n": 9000, "length": 6.0, "covariance": NOISY_TURNING, "neighbors": 21, "max_distance": 2.0},
+    {"shape": "broken", "n": 500, "length": 8.0, "covariance": (0.1, 1e-5, 4e-6, 0.08, 0.4), "max_distance": None},
 ]
 
 
@@ -122,13 +140,13 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
-SPLITS += [{"covariance": TURNING, "max_distance": 3.0}]
+SPLITS += [{"covariance": TURNING, "max_distance": 3.0}, {"covariance": NOISY}, {"covariance": NOISY_TURNING}]
 
 
 @pytest.mark.parametrize("settings", SPLITS, ids=str)
 def test_any_split_threads_and_instructions_give_the_same_bits(settings: dict[str, Any]) -> None:
     rng = np.random.default_rng(7)
-    depth, toolface, radius = random_hole(8, "spiral", 1200, 8.0)
+    depth, toolface, radius = random_hole(8, "spiral", 6000 if "covariance" in settings else 1200, 8.0)
     time = rng.random(depth.size)
     given = {"bit_diameter": BIT, "estimator": "near-and-far", "covariance": TWO, "sectors": 20, "pitch": 0.25}
     given |= {"start_depth": float(depth.max() if settings.get("pitch") else depth.min())} | settings
@@ -188,24 +206,37 @@ DEGENERATE = {
 }
 
 
+@pytest.mark.parametrize("covariance", [TWO, NOISY], ids=["samples", "means"])
 @pytest.mark.parametrize("name", DEGENERATE)
-def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str) -> None:
+def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str, covariance: tuple[float, ...]) -> None:
     columns = tuple(np.asarray(of, dtype=float) for of in DEGENERATE[name])
-    wall = near_and_far(columns, sectors=8, start_depth=0.5, stop_depth=1.5)
+    wall = near_and_far(columns, sectors=8, start_depth=0.5, stop_depth=1.5, covariance=covariance)
     assert np.isfinite(wall.radius).any()
     half = np.ptp(columns[2]) / 2
     reached = wall.support > 0
     assert np.all((wall.radius >= columns[2].min() - half)[reached])
     assert np.all((wall.radius <= columns[2].max() + half)[reached])
-    constant = near_and_far((*columns[:2], np.full(columns[0].size, 0.1234567)), sectors=8)
+    constant = near_and_far((*columns[:2], np.full(columns[0].size, 0.1234567)), sectors=8, covariance=covariance)
     assert np.all(constant.radius == 0.1234567)
 
 
-def test_values_carried_with_the_samples_are_kriged_like_the_radius() -> None:
-    columns = random_hole(11, "oval", 900, 4.0)
-    wall = near_and_far(columns)
+@pytest.mark.parametrize("covariance", [TWO, NOISY], ids=["samples", "means"])
+def test_values_carried_with_the_samples_are_kriged_like_the_radius(covariance: tuple[float, ...]) -> None:
+    columns = random_hole(11, "oval", 3000, 4.0)
+    wall = near_and_far(columns, covariance=covariance)
     again = wall.interpolate_samples(wall.samples.radius, on="vertices")
     np.testing.assert_allclose(again, wall.radius, rtol=0, atol=1e-12)
+    values = wall.samples.radius.copy()
+    values[::7] = np.nan
+    assert np.isfinite(wall.interpolate_samples(values, on="vertices")[wall.support > 0]).all()
+
+
+def test_samples_of_a_cell_lower_the_kriging_variance_where_noise_is_large() -> None:
+    variances = []
+    for count in (400, 4000):
+        wall = near_and_far(random_hole(12, "round", count, 1.0), covariance=NOISY, neighbors=16, sigma=True)
+        variances.append(np.nanmean(wall._core.sums()[0]))
+    assert variances[1] < 0.6 * variances[0]
 
 
 BAD = [

@@ -70,8 +70,15 @@ struct alignas(64) KrigingRoom {
 };
 
 // The equations of a group that shares its neighbours, and the factors of eight rows of the elimination.
-inline constexpr int most_shared = 21;  // of Settings::neighbors
-inline constexpr int max_shared = 152;  // neighbours: 2 * lanes * 8 + 21 = 149 at most; a multiple of `lanes`
+inline constexpr int most_shared = 21;    // of Settings::neighbors
+inline constexpr int max_shared = 160;    // neighbours: 2 * lanes * 8 + 32 at most; a multiple of `lanes`
+inline constexpr int most_averaged = 32;  // samples of a neighbour
+
+// A neighbour that the vertices of a group share: the mean of so many samples.
+struct alignas(64) SharedNeighbor : Candidate {
+    double count;
+};
+
 struct alignas(64) SharedRoom {
     double row[max_shared][max_shared + 2 * lanes];
     double factors[max_shared * lanes];
@@ -210,7 +217,7 @@ struct Functions {
     void (*estimate_from)(Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at);
     // Kriges the group by a covariance from n samples that all its vertices share. Sets g.radius, g.nearest (metres on
     // a wall of radius R), and g.sums.square_weights to the kriging variance.
-    void (*krige_shared)(Group& group, const Candidate* rows, int n, const CovarianceRule& rule, SharedRoom& room);
+    void (*krige_shared)(Group& group, const SharedNeighbor* rows, int n, const CovarianceRule& rule, SharedRoom& room);
     // Writes the standard uncertainties of n vertices to `sigma`, computed from their sums. n is a multiple of `lanes`.
     void (*sigma)(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma);
 };

@@ -71,7 +71,7 @@ inline P covariance_of(P sine, P along, const CovarianceRule& rule) {
 // Fills the matrix of the n neighbours without what lies left of the diagonal pack; then the covariances with the
 // vertices; then 1 and the radius less R. Rows and columns from n to `size` are those of the unit matrix and 0.
 template <class P, int terms>
-__attribute__((noinline)) void fill_covariances(const Group& g, const Candidate* rows, int n, int size,
+__attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeighbor* rows, int n, int size,
                                                 const CovarianceRule& rule, SharedRoom& room) {
     double sine[max_shared], cosine[max_shared], along[max_shared];
     const P center(g.center), middle(g.middle);
@@ -83,8 +83,8 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const Candidate*
     };
     for (int i = 0; i < size; i += lanes) {
         P depth, toolface, radius, s, c, z;
-        P::read([&](int lane) -> const Candidate& { return rows[i + lane < n ? i + lane : n - 1]; }, depth, toolface,
-                radius);
+        P::read([&](int lane) -> const SharedNeighbor& { return rows[i + lane < n ? i + lane : n - 1]; }, depth,
+                toolface, radius);
         place(depth, toolface, s, c, z);
         s.store(sine + i);
         c.store(cosine + i);
@@ -92,7 +92,7 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const Candidate*
     }
     P at_sine, at_cosine, at_along;
     place(P::load(g.depth), P::load(g.toolface), at_sine, at_cosine, at_along);
-    double total = rule.noise;
+    double total = 0.0;
     for (int t = 0; t < terms; ++t) total += rule.variance[t];
     for (int i = 0; i < size; ++i) {
         double* row = room.row[i];
@@ -107,7 +107,7 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const Candidate*
             covariance_of<P, terms>(between, z - P::load(along + j), rule).store(row + j);
         }
         std::fill_n(row + n, size - n, 0.0);
-        row[i] = total;
+        row[i] = total + rule.noise / rows[i].count;
         covariance_of<P, terms>(s * at_cosine - c * at_sine, z - at_along, rule).store(row + size);
         row[size + lanes] = 1.0;
         row[size + lanes + 1] = rows[i].radius - rule.radius;
@@ -161,7 +161,7 @@ __attribute__((noinline)) void eliminate(int size, int columns, double least_piv
 }
 
 template <class P>
-void krige_shared(Group& g, const Candidate* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
+void krige_shared(Group& g, const SharedNeighbor* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
     const int size = (n + lanes - 1) / lanes * lanes;
     if (rule.terms == 1)
         fill_covariances<P, 1>(g, rows, n, size, rule, room);
@@ -170,7 +170,8 @@ void krige_shared(Group& g, const Candidate* rows, int n, const CovarianceRule& 
     else
         fill_covariances<P, 3>(g, rows, n, size, rule, room);
     double inverse[max_shared];
-    eliminate<P>(size, size + 2 * lanes, rule.noise, room.row[0], max_shared + 2 * lanes, room.factors, inverse);
+    eliminate<P>(size, size + 2 * lanes, rule.noise / most_averaged, room.row[0], max_shared + 2 * lanes, room.factors,
+                 inverse);
 
     const P depth = P::load(g.depth), toolface = P::load(g.toolface), degree(rule.radius * metres_a_degree);
     double ones = 0.0, mean = 0.0, low = missing_square, high = -missing_square;
@@ -186,6 +187,7 @@ void krige_shared(Group& g, const Candidate* rows, int n, const CovarianceRule& 
         explained = explained + part * covariance;
         low = std::min(low, rows[k].radius);
         high = std::max(high, rows[k].radius);
+        if (rows[k].count > 1.0) continue;
         const P turn = P::abs(P(rows[k].toolface) - toolface), along = P(rows[k].depth) - depth;
         const P across = degree * P::min(turn, P(360.0) - turn);
         least = P::min(least, across * across + along * along);
