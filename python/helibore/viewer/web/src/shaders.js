@@ -337,7 +337,7 @@ void main() {
   int count = 0;
   int r = max(row - many / 2, 0);
   int last = min(r + many, rows);
-  int k = row * K + col, own = ownOf(k, vec2(across, turn));
+  int k = row * K + col, own = ownOf(k, vec2(across, turnAt(at.y, across)));
   do {
     int other = r * K + col;
     float v = lacks(other) ? notANumber() : value(other + own - k);
