@@ -4,6 +4,7 @@ every panel, and what is not known is not shown as if it were. At both sizes of 
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -405,6 +406,8 @@ def test_on_its_path_no_depth_is_cut_and_the_plan_hides_no_hole(browser: Any, vi
         assert [one["text"] for one in labels if one["right"] > right] == []
         (plan,) = [one for one in labels if one["text"].startswith("plan, N up")]
         side = 92
+        bars = [one for one in labels if re.fullmatch(r"[0-9.]+ m", one["text"]) and one["left"] < plan["left"] + side]
+        assert any(0 < one["top"] - plan["bottom"] - side < 20 for one in bars), "the bar of the plan's scale"
         assert pane["left"] < plan["left"] < right - side
         axis = screen.evaluate(f"{AXIS}(window.__wall.app)")
         sides.add(plan["left"] > pane["left"] + pane["width"] / 2)

@@ -4,7 +4,7 @@ import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD, within } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
 import { anglesInWords, drawDiscs, topsOf } from './plane_rings.js';
@@ -110,11 +110,15 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
 function scaleBar(ink, { view, path, rects: { wall: rect } }, gpu, palette) {
   const frame = path.at(view.middle);
   const [a, b] = [0, 1].map((metres) => gpu.project(frame, rect, scaled(gpu.camera.axes[0], metres)));
-  if (!a || !b) return;
-  const { scale, unit } = LENGTHS[view.units].depth;
-  const perUnit = (b[0] - a[0]) / scale; // pixels
+  if (a && b) bar(ink, rect.left + 92, rect.height - 46, b[0] - a[0], view, palette); // beside the compass
+}
+
+// Draw a bar of at least 40 pixels, with its length above it.
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} perMetre @param {View} view @param {Palette} palette */
+function bar(ink, x, y, perMetre, { units }, palette) {
+  const { scale, unit } = LENGTHS[units].depth;
+  const perUnit = perMetre / scale; // pixels
   const size = niceStep(40 / perUnit);
-  const [x, y] = [rect.left + 92, rect.height - 46]; // beside the compass
   for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
   label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
 }
@@ -205,14 +209,14 @@ export function compass(ink, gpu, rect, palette) {
 
 const PLAN = 92; // pixels of its side
 
-// Draw the whole path seen from above, north up, with the section and the cursor on it.
+// Draw the hole seen from above, north up, with the section and the cursor on it, and what of the planned path is there.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
 function plan(ink, { view, path, store, rects }, gpu, palette) {
   const [shallow, deep] = store.span;
   const along = Array.from({ length: 61 }, (_, i) => shallow + ((deep - shallow) * i) / 60);
   /** @param {number} depth */
   const place = (depth) => path.at(depth).centre;
-  const all = [...along.map(place), ...store.plan];
+  const all = along.map(place);
   const [[n0, n1], [e0, e1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
   const size = Math.max(n1 - n0, e1 - e0);
   if (size < 1) return; // vertical
@@ -227,9 +231,10 @@ function plan(ink, { view, path, store, rects }, gpu, palette) {
   /** @param {number} depth */
   const at = (depth) => spot(place(depth));
   ink.fillStyle = `${palette.paper}cc`;
-  ink.fillRect(left, top - 16, PLAN, PLAN + 16);
+  ink.fillRect(left, top - 16, PLAN, PLAN + 40);
   edges(ink, { left, top, width: PLAN, height: PLAN }, palette.line);
-  label(ink, `plan, N up, ${showDepth(size, view.units, 0)}`, left, top - 8, { colour: palette.soft, halo: palette.paper, font: SMALL });
+  label(ink, 'plan, N up', left, top - 8, { colour: palette.soft, halo: palette.paper, font: SMALL });
+  bar(ink, left + 8, top + PLAN + 18, (PLAN - 16) / size, view, palette);
   const shown = along.filter((depth) => depth > view.top && depth < view.bottom);
   const ends = [view.top, view.bottom].map((depth) => Math.min(deep, Math.max(shallow, depth)));
   for (const [depths, colour, width] of /** @type {[number[], string, number][]} */ ([[along, palette.soft, 1.4], [[ends[0], ...shown, ends[1]], palette.ink, 4]])) {
@@ -239,9 +244,9 @@ function plan(ink, { view, path, store, rects }, gpu, palette) {
     ink.lineWidth = width;
     ink.stroke();
   }
-  dashed(ink, store.plan.map(spot), palette.max);
+  within(ink, { left, top, width: PLAN, height: PLAN }, () => dashed(ink, store.plan.map(spot), palette.max));
   if (!view.cursor) return;
-  ink.fillStyle = palette.pin;
+  ink.fillStyle = palette.cursor;
   ink.beginPath();
   ink.arc(...at(view.cursor.depth), 4, 0, 7);
   ink.fill();
