@@ -230,6 +230,11 @@ def test_the_body_that_sticks_next_has_a_row_among_the_widest(browser: Any) -> N
         viewer.scene.update_state(ahead=ahead | {"up": up | {"nearest": first, "worst": first}})
         screen.until("document.querySelectorAll('#rigBodies .name').length === 4")
         assert screen.evaluate(ROWS)[0][::3] == ["top stabiliser", "3.5 m"]
+        down = {"places": 1, "nearest": first, "worst": first}
+        viewer.scene.update_state(ahead=ahead | {"down": down})  # moving up, but a body hangs above a tight place
+        screen.until("window.__wall.app.ahead.down")
+        screen.settle()
+        assert [row[0] for row in screen.evaluate(ROWS)] == ["top stabiliser", "stabiliser", "near-bit", "bit"]
         assert screen.evaluate(CLIPPED) == []
         assert screen.evaluate(OVER) == []
         screen.close()
@@ -363,6 +368,14 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         now = ["Next going up: sticks", "now ", "stabiliser, at 1015.3 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == now
         assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
+        received = time.time() - 30
+        viewer.scene.update_state(received=received)
+        screen.until("document.body.classList.contains('stale')")
+        assert screen.evaluate(f"({CELL})('rigWhere')") == ["Next: not known", "– ", "no new bit depth"]
+        assert screen.evaluate(ROWS)[0][1:] == ["", "–", "–", "–"]
+        viewer.scene.update_state(received=time.time())
+        screen.until("!document.body.classList.contains('stale')")
+        assert screen.evaluate(f"({CELL})('rigWhere')") == now
         alarms = ("tight ahead: tight hole above the bit at 1020.0 m: from 1013.0 to 1018.0 m 209 mm pass at most",)
         scene, head = viewer.scene, "document.getElementById('rigWorstHead').textContent"
         scene.update_state(alarms=alarms, ahead=ahead | {"down": up, "moving": "down"})

@@ -19,6 +19,7 @@ const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SI
 const SIDES = { up: 'above', down: 'below' };
 const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothing
 const STABILISER = 0.9; // of the bit: a body above the bit that is wider counts as a stabiliser
+const NO_BIT = 'no new bit depth'; // then nothing is said that counts from the bit
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -107,10 +108,10 @@ function writeWorst(app) {
     const end = Math.min(store.span[1], bottom);
     byId('rigWhereCell').className = '';
     const [unseen] = unseenAhead(app);
-    const last = unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'nobody saw it'];
+    const last = isStale(app) ? ['not known', NO_BIT] : unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'nobody saw it'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
-    if (digits !== 'not known' || !unseen) return cell('rigWhere', 'Hole size', ...holeSize(app));
+    if (digits !== 'not known' || !unseen || isStale(app)) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', `Next going ${unseen.way}: ${UNSEEN}${unseen.left > NOW ? ' in' : ''}`, ...distance(unseen.left, units), unseen.first);
   }
   const { worst, next, count, most } = found;
@@ -124,6 +125,10 @@ function writeWorst(app) {
   const distant = next === worst ? '' : `, in ${showDepth(worst.left, units, 1)}`;
   const unsure = Number.isNaN(worst.sure);
   cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way ? '' : ' place'}${worst.way && ` going ${worst.way}`}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
+  if (isStale(app)) {
+    byId('rigWhereCell').className = '';
+    return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
+  }
   const { hanging = [] } = string ?? {};
   const first = hanging[stuck]?.name ?? next.first;
   const i = hanging.findIndex(({ name }) => name === first);
@@ -154,8 +159,10 @@ const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - 
 
 // Return the string as it hangs, with the body that has the least room and where; a bit in hole of its size has room.
 /** @param {App} app @param {number} bottom @returns {Hung | null} */
-export function hungInRig({ string, store, ahead }, bottom) {
+export function hungInRig(app, bottom) {
+  const { string, store, ahead } = app;
   if (!string) return null;
+  if (isStale(app)) return { ...string, bottom, clearance: NaN, low: NaN, high: NaN, tightest: NaN };
   const known = (string.hanging ?? []).map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
   const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
   const clearance = (least?.clearance ?? NaN) + (least?.spare ?? 0);
@@ -218,15 +225,16 @@ function wayOf(app, i, side) {
 /** @param {RigidBody[]} bodies @param {Store} store */
 const nextToBit = (bodies, { bitRadius }) => bodies.map((_, i) => i).filter((i) => bodies[i][2] > 0 && bodies[i][0] > STABILISER * 2 * bitRadius).sort((a, b) => bodies[a][2] - bodies[b][2])[0] ?? -1;
 
-// Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, and for the body that sticks next, in the order in which they
+// Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, and for the body that sticks next on each way, in the order in which they
 // hang: what it clears now, and how far it moves up or down until it sticks. If none of them is there, the widest that is has a row. Below them: those of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
   const { bodies = [], hanging = [] } = string ?? {};
-  const { next } = placesAhead(app) ?? {};
+  const stale = isStale(app);
+  const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
   const near = nextToBit(bodies, store);
-  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || (next?.tight && (hanging[i]?.name === next.first || sticksNow(app, i)))).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
@@ -235,21 +243,21 @@ function writeBodies(app) {
   const rows = shown.map((i) => {
     const { name = '', clearance: found = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
     const bound = (most ? high : null) ?? found;
-    const clearance = most && bound > WIDE ? NaN : bound;
+    const clearance = stale || (most && bound > WIDE) ? NaN : bound;
     const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
-    const isOld = Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
+    const isOld = stale || Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
     const isStuck = !isOld && sticksNow(app, i);
     const unsure = !own && mayStick({ low, high });
-    const note = Number.isNaN(clearance) ? 'not measured' : low === null ? 'uncertainty not known' : most ? 'at most' : withIn({ low, high }, units);
+    const note = stale ? '' : Number.isNaN(clearance) ? 'not measured' : low === null ? 'uncertainty not known' : most ? 'at most' : withIn({ low, high }, units);
     const ways = [0, 1].map((side) => {
-      if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
+      if (!ahead || stale || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
       return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
     });
     const [moving] = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : [''];
     const state = isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
     return { state, name, tag: i === near ? 'at bit' : '', values: [[...parts(showSize(clearance, units)), note], ...ways] };
   });
-  const lacks = unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
+  const lacks = stale ? `Not known: ${NO_BIT}` : unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
