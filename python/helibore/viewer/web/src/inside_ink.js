@@ -13,7 +13,9 @@ import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
 
 const FAINTEST = 14; // pixels: a smaller ring is not drawn
-const SMALLEST = 0.05; // of the pane: a smaller ring has no label
+const SMALLEST = 0.05; // of the pane: a smaller ring has no label, and a smaller ring of a top is not drawn
+/** @type {Pair[]} */
+const UP_OR_DOWN = [14, -14, 28, -28, 42, -42].map((y) => [0, y]);
 
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes */
 export function drawInsideInk(ink, look, gpu, planes) {
@@ -50,19 +52,19 @@ export function drawInsideInk(ink, look, gpu, planes) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
       const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)} from ${northOf(path)}` : `${showAngle(plane.apparent, 0)} apparent dip`;
       const words = [name, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
-      const low = Math.min(Math.max(...y) + 16, rect.height - 48 - 16 * words.length);
+      const low = Math.min(Math.max(...y) + 16, rect.height - 88 - 16 * words.length);
       words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour }));
     } else {
       const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
-      later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [[0, 14], [0, -14], [44, 0], [-44, 0]], yields: true, margin: 4 }));
+      later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [...UP_OR_DOWN, [44, 0], [-44, 0]], yields: true, margin: 4 }));
     }
   }
   const named = [...tops.values()];
   for (const [name, top] of look.intervals) { // a top that is no plane is a ring with its name at one side, away from the depths
-    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near || named.includes(name) || sizeOf(top) < FAINTEST) continue;
+    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near || named.includes(name) || sizeOf(top) <= smallest) continue;
     ring(ink, (toolface) => at(top, toolface), palette.top, 2);
     const beside = at(top, (path.dial(top).up ?? 0) + 90, 0.96);
-    if (beside) later(top, () => label(ink, name, Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 4 }));
+    if (beside) later(top, () => label(ink, name, Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], ...UP_OR_DOWN], margin: 4 }));
   }
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));

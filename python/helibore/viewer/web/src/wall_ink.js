@@ -29,13 +29,6 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const top = view.camera === 'outside' ? HEAD : 0;
   ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
-  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
-  else drawInsideInk(ink, look, gpu, planes);
-  if (path.surveyed) {
-    if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
-    compass(ink, gpu, rect, palette);
-    if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
-  }
   const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
   const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
@@ -45,7 +38,21 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
-  if (!view.rig) inLines(ink, words, rect.width - (path.surveyed ? 110 : 20)).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
+  const lines = view.rig ? [] : inLines(ink, words, rect.width - (path.surveyed ? 110 : 20)).reverse();
+  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
+  else {
+    const { labels } = ink.canvas; // texts keep off the compass and off the words
+    const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
+    const at = labels.push(foot, { ...foot, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
+    drawInsideInk(ink, look, gpu, planes);
+    labels.splice(at, 2);
+  }
+  if (path.surveyed) {
+    if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
+    compass(ink, gpu, rect, palette);
+    if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
+  }
+  lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }

@@ -334,7 +334,7 @@ export class Wells {
   /** @param {'png' | 'svg' | 'slide'} kind */
   savePicture(kind) {
     const vector = kind === 'svg';
-    const name = `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`; // of the picture, though the mode changes before it is made
+    const file = `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`; // of the picture, though the mode changes before it is made
     const inks = byId('ink');
     if (kind === 'slide') Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
     const [width, height] = [inks.clientWidth, inks.clientHeight + BAND];
@@ -363,7 +363,7 @@ export class Wells {
     byId('stage').removeAttribute('style');
     this.redraw();
     /** @param {Blob | null} blob */
-    const keep = (blob) => blob && save(blob, name);
+    const keep = (blob) => blob && save(blob, file);
     if (vector) keep(svgFile(width, height, [...parts, `<g transform="translate(0 ${BAND})">`, ...strokes, '</g>']));
     else canvas.toBlob(keep);
   }
