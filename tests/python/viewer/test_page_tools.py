@@ -334,14 +334,14 @@ def test_inside_the_eye_stands_before_the_held_cursor_and_no_pick_veils_the_wall
         viewer.scene.change_picks(
             lambda picks: picks.put(Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0))
         )
-        screen.until("document.getElementById('ink').labels.some(({ text }) => /° to /.test(text))")
+        screen.until("document.getElementById('ink').labels.some(({ text }) => /° toward /.test(text))")
         screen.settle()
         assert screen.evaluate(near % 1012.0) is None, "behind the eye"
         across = screen.evaluate(near % 1018.0)
         assert across, "before it"
         (pick,) = viewer.scene.picks
         texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-        assert "dip {:.0f}° to {:.0f}° from a north that is not stated".format(*pick.dip(curved_path())) in texts
+        assert "dip {:.0f}° toward {:.0f}° from a north that is not stated".format(*pick.dip(curved_path())) in texts
         assert "fracture at 1018.00 m" in texts
         veil = screen.evaluate(
             "(([x, y]) => document.getElementById('ink').getContext('2d').getImageData(x, y, 1, 1).data[3])"
