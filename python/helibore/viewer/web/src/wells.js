@@ -349,7 +349,7 @@ export class Wells {
     ink.fillRect(0, 0, width, height);
     ink.font = BOLD;
     ink.fillStyle = palette.ink;
-    ink.fillText([this.drawn.map(({ name }) => name).join(', '), this.note].filter(Boolean).join('   '), 8, 17);
+    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.note].filter(Boolean).join('   '), 8, 17);
     sharpen(ratio);
     this.movedAt = 0;
     /** @type {string[]} */
