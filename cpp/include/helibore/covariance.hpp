@@ -14,12 +14,13 @@ struct LikelyCovariance {
 };
 
 // Returns Settings::covariance: radius, noise, and a short, a long and, if the samples show it, a fine term, and the
-// turn of the shape along the hole, to five digits. `samples` are blocks of `block_size` samples each. The parameters
-// maximise the mean over the blocks of the restricted likelihood, with weak priors. The noise variance of quantised
-// radii is at least step^2 / 48. The long term is not much shorter along the hole than `spacing`, the typical distance
-// between samples in metres: it would be noise. The first has the greatest likelihood; if it has no turn only because
-// the samples do not show which, others with turns follow. A turn that is slower than `least_turn`, degrees a metre,
-// does not count; with infinity none is sought, nor a fine term.
+// turn of the shape along the hole, to five digits; the long term repeats after half a turn if that is much likelier.
+// `samples` are blocks of `block_size` samples each. The parameters maximise the mean over the blocks of the restricted
+// likelihood, with weak priors. The noise variance of quantised radii is at least step^2 / 48. The long term is not
+// much shorter along the hole than `spacing`, the typical distance between samples in metres: it would be noise. The
+// first has the greatest likelihood; if it has no turn only because the samples do not show which, others with turns
+// follow. A turn that is slower than `least_turn`, degrees a metre, does not count; with infinity none is sought, nor a
+// fine term, nor half a turn.
 //
 // Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,

@@ -40,7 +40,8 @@ struct Settings {
     // and length along the hole; metres and square metres. Then, if the shape turns along the hole, by how many degrees
     // a metre. The covariance of two radii is the sum over the terms of variance M(h), with M(h) = (1 + sqrt3 h)
     // exp(-sqrt3 h), h = hypot(chord / around, depth difference / along) and chord = 2 R sin(turned / 2), where turned
-    // = toolface difference - turn * depth difference.
+    // = toolface difference - turn * depth difference. If the length around of the second term is below 0, the term
+    // repeats after half a turn, as breakouts do: chord = R sin(turned).
     std::vector<double> covariance = {};
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally

@@ -30,12 +30,22 @@ Settings metric_of(const Settings& settings, std::size_t term, int neighbors) {
     metric.max_iterations = 1;
     metric.power = 1.0;
     metric.sigma = false;
-    metric.angular_scale = settings.covariance[3 * term + 4] / settings.covariance[3 * term + 3];
+    metric.angular_scale = settings.covariance[3 * term + 4] / std::abs(settings.covariance[3 * term + 3]);
     return metric;
 }
 
 std::size_t long_term(const Settings& settings) {
     return settings.covariance.size() > 6 ? 1 : 0;
+}
+
+// Settings whose vertices lie half a turn from those of others.
+Settings turned_by_half(Settings settings) {
+    settings.start_toolface = wrap_toolface(settings.start_toolface + 180.0);
+    return settings;
+}
+
+bool repeats_after_half_a_turn(const Settings& settings) {
+    return long_term(settings) == 1 && settings.covariance[6] < 0.0;
 }
 
 // A cell, from its first sample that is not a near neighbour.
@@ -72,8 +82,8 @@ class RankSet {
 }  // namespace
 
 struct NearFar::Scratch {
-    Search::Scratch by_short, by_long;
-    std::vector<kernel::Candidate> near_short, near_long;
+    Search::Scratch by_short, by_long, by_opposite;
+    std::vector<kernel::Candidate> near_short, near_long, near_opposite;
     RankSet near;
     std::vector<Samples::Place> cells;  // the first sample of each
     std::vector<unsigned char> seen;    // cells of one row of cells
@@ -90,17 +100,21 @@ struct NearFar::Scratch {
 NearFar::NearFar(const Settings& settings)
     : rule_{},
       near_((3 * settings.neighbors + 7) / 8),
+      near_long_(repeats_after_half_a_turn(settings) ? (near_ + 1) / 2 : near_),
       short_(metric_of(settings, 0, near_)),
-      long_(metric_of(settings, long_term(settings), near_)),
+      long_(metric_of(settings, long_term(settings), near_long_)),
+      opposite_(metric_of(turned_by_half(settings), long_term(settings), near_long_)),
       max_distance_(settings.max_distance),
       max_square_(max_distance_ * max_distance_ * (1.0 - 1e-9)) {  // all of these samples are neighbours for the search
 
     const std::vector<double>& values = settings.covariance;
     rule_.radius = values[0];
     rule_.noise = values[1];
-    rule_.terms = static_cast<int>(values.size() - 2) / 3;
+    const int terms = static_cast<int>(values.size() - 2) / 3;
+    rule_.terms = std::max(terms, 2);  // the second has variance 0 if there is none
     rule_.turn = values.size() % 3 == 0 ? values.back() : 0.0;
-    for (int t = 0; t < rule_.terms; ++t) {
+    rule_.half_turns = repeats_after_half_a_turn(settings);
+    for (int t = 0; t < terms; ++t) {
         const double* term = values.data() + 2 + 3 * t;
         rule_.variance[t] = term[0];
         rule_.around[t] = 12.0 * (values[0] / term[1]) * (values[0] / term[1]);
@@ -111,11 +125,12 @@ NearFar::NearFar(const Settings& settings)
     wanted_ = noisy ? (3 * settings.neighbors + 1) / 2 : settings.neighbors;
     averaged_ = noisy ? kernel::most_averaged : 1;
     const double size = noisy ? small_share : share;
-    stretch_ = term[2] / term[1];
+    const double around = std::abs(term[1]);
+    stretch_ = term[2] / around;
     cells_.turn = rule_.turn;
     cells_.height = size * term[2];
     cells_.around =
-        static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (size * term[1])), 1.0, 4096.0));
+        static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (size * around)), 1.0, 4096.0));
 }
 
 NearFar::~NearFar() = default;
@@ -203,9 +218,10 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
             const double along = std::max(std::abs(c.depth - g.middle) - half_height, 0.0);
             const double turned = c.toolface - g.center - rule_.turn * (c.depth - g.middle);
             const double turn = std::abs(std::remainder(turned, 360.0));
-            const double across = degree * std::max(turn - half_width, 0.0);
-            if (across * across + along * along <= max_square_)
-                found.push_back({stretch_ * across * (stretch_ * across) + along * along, at});
+            double across = degree * std::max(turn - half_width, 0.0);
+            if (across * across + along * along > max_square_) return false;
+            if (rule_.half_turns) across = degree * std::max(std::min(turn, 180.0 - turn) - half_width, 0.0);
+            found.push_back({stretch_ * across * (stretch_ * across) + along * along, at});
             return false;
         };
         for (const Samples::Place first : scratch.cells) each_member(samples, scratch, first, judge);
@@ -224,14 +240,20 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
 
 kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, double& shallow,
                             double& deep) const {
-    const auto room = static_cast<std::size_t>(near_ * lanes);
-    scratch.near_short.resize(room);
-    scratch.near_long.resize(room);
+    scratch.near_short.resize(static_cast<std::size_t>(near_ * lanes));
+    scratch.near_long.resize(static_cast<std::size_t>(near_long_ * lanes));
     GroupResult by_short, by_long;
     const Index all = (group + 1) * lanes;
     kernel::Group g =
         short_.neighbours(samples, helix, group, all, scratch.by_short, scratch.near_short.data(), by_short);
     long_.neighbours(samples, helix, group, all, scratch.by_long, scratch.near_long.data(), by_long);
+    GroupResult by_opposite;
+    by_opposite.shallow = no_limit;
+    by_opposite.deep = -no_limit;
+    scratch.near_opposite.resize(rule_.half_turns ? scratch.near_long.size() : 0);
+    if (rule_.half_turns)
+        opposite_.neighbours(samples, helix, group, all, scratch.by_opposite, scratch.near_opposite.data(),
+                             by_opposite);
     const double degree = rule_.radius * kernel::metres_a_degree;
     scratch.members.clear();
     scratch.starts.clear();
@@ -241,8 +263,8 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
         scratch.order.push_back(static_cast<std::uint64_t>(rank) << number_bits | scratch.starts.size());
         scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
     };
-    for (const std::vector<kernel::Candidate>* near : {&scratch.near_short, &scratch.near_long})
-        for (std::size_t i = 0; i < room; ++i) {
+    for (const std::vector<kernel::Candidate>* near : {&scratch.near_short, &scratch.near_long, &scratch.near_opposite})
+        for (std::size_t i = 0; i < near->size(); ++i) {
             const kernel::Candidate& c = (*near)[i];
             if (c.depth == kernel::none_depth) continue;
             const std::size_t lane = i % lanes;
@@ -264,8 +286,10 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
     }
     scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
     std::ranges::sort(scratch.order);
-    shallow = std::min({by_short.shallow, by_long.shallow, cells_.row(g.middle - far) * cells_.height});
-    deep = std::max({by_short.deep, by_long.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
+    shallow =
+        std::min({by_short.shallow, by_long.shallow, by_opposite.shallow, cells_.row(g.middle - far) * cells_.height});
+    deep =
+        std::max({by_short.deep, by_long.deep, by_opposite.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
     return g;
 }
 

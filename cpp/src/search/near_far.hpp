@@ -4,7 +4,8 @@
 // each (kernel/near_far.hpp). These are, each sample once:
 //
 //     near, short metric      for each vertex, the 3 V / 8 nearest by hypot(R turn / around, depth / along) of term 1
-//     near, long metric       the same by term 2: along an arm, into the next turn
+//     near, long metric       the same by term 2: along an arm, into the next turn; if the term repeats after half a
+//                             turn, half of them near the vertex and half of them opposite
 //     far                     the V cells that are nearest to the group in the long metric: on all sides
 //
 // A cell of the hole is 0.35 of the long term's lengths along and around. A far neighbour is the first sample of its
@@ -60,8 +61,8 @@ class NearFar {
     Scratch& scratch_of(Search::Scratch& scratch) const;
 
     kernel::CovarianceRule rule_;
-    int near_;  // near neighbours of a vertex in each metric
-    Search short_, long_;
+    int near_, near_long_;            // near neighbours of a vertex in each metric
+    Search short_, long_, opposite_;  // opposite_: half a turn from each vertex, by the long metric
     Cells cells_;
     int wanted_;                                  // far neighbours of a group
     std::size_t averaged_;                        // greatest number of samples of one of them

@@ -34,11 +34,14 @@ constexpr double starts[][few] = {{1e-6, 0.05, 0.06, 4e-6, 0.1, 0.6, 0.25e-6},
                                   {1e-6, 0.03, 0.03, 4e-6, 0.1, 8.0, 1e-6},
                                   {0.3e-6, 0.06, 0.3, 20e-6, 0.12, 40.0, 4e-6},
                                   {1e-6, 0.05, 2.0, 20e-6, 0.08, 100.0, 0.25e-6}};
+constexpr double half_start[few] = {0.3e-6, 0.06, 0.1, 60e-6, 0.13, 25.0, 0.25e-6};  // with_half_turns()
 constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.6, 0.02, 0.0};  // nats a block for one unit, squared
 constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
 constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
+// Nats a block that a long term must gain by repeating after half a turn: in small blocks, and in one of all samples.
+constexpr double small_half_gain = 0.5, great_half_gain = 2.0;
 // A turn is tried at each whole degree a metre up to `slow`, with each of these lengths along the hole, and, for spiral
 // holes, in longer steps up to `fast`, with a wide shape; peaks of the likelihood are then climbed. Arms that do not
 // cross leave several peaks, and a false one may be the highest: a spiral of 200 degrees a metre looks to four arms as
@@ -76,6 +79,7 @@ struct Place {
     std::size_t count;     // of parameters: few or most
     double value = never;  // log-likelihood with the prior, nats a block
     double turn = 0.0;     // degrees a metre
+    bool half_turns = false;
 };
 
 struct Turns {
@@ -99,6 +103,7 @@ class Fit {
     Place at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth);
     std::vector<Place> peaks(const Parameters& at, Turns turns, const Limits& limits);
     Place with_turn(const Place& found, const Limits& limits, double least_turn);
+    Place with_half_turns(const Place& found, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
     double row_spacing() const;
     void turn_by(double turn);
@@ -110,8 +115,9 @@ class Fit {
     std::vector<double> toolface_;
     kernel::BlockRoom parts_;
     std::vector<Place> likely_;
-    Parameters slope_;  // of the last evaluation with slopes
-    Matrix curvature_;  // expected second derivatives with the other sign
+    bool half_turns_ = false;  // whether the long term repeats after half a turn
+    Parameters slope_;         // of the last evaluation with slopes
+    Matrix curvature_;         // expected second derivatives with the other sign
 };
 
 Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level)
@@ -163,6 +169,7 @@ double Fit::evaluate(const Parameters& at, std::size_t count, std::size_t nth, b
     rule.radius = radius_;
     rule.noise = exponential(at[noise]);
     rule.terms = count > few ? 3 : 2;
+    rule.half_turns = half_turns_;
     // The noise is the last part in the kernel.
     const auto parameter = [&](std::size_t part) { return part + 1 == count ? noise : part < noise ? part : part + 1; };
     for (int t = 0; t < rule.terms; ++t) {
@@ -391,9 +398,29 @@ Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn
     return again.value > turned.value ? again : turned;
 }
 
+// Returns the likeliest parameters with a long term that repeats after half a turn, which is tried by a quarter of the
+// blocks; those found, if it gains too little.
+Place Fit::with_half_turns(const Place& found, const Limits& limits) {
+    const double gain = blocks_ > 1 ? small_half_gain : great_half_gain, before = evaluate(found.at, few, 4, false);
+    half_turns_ = true;
+    Place half = climb(found.at, few, limits, 4, 8);
+    Parameters at = found.at;
+    for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(half_start[p]);
+    const Place other = climb(limits.clipped(at), few, limits, 4, 8);
+    if (other.value > half.value) half = other;
+    if (half.value > before + gain) {
+        half = climb(half.at, few, limits, 1, 20);
+        half.turn = found.turn;
+        half.half_turns = true;
+        if (half.value > found.value + gain) return half;
+    }
+    half_turns_ = false;
+    return found;
+}
+
 // Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
 Place Fit::with_fine(const Place& found, const Limits& limits) {
-    Place start{found.at, most, never, found.turn};
+    Place start{found.at, most, never, found.turn, found.half_turns};
     for (const double share : fine_shares)
         for (const double around : fine_around) {
             Parameters at = found.at;
@@ -403,11 +430,12 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
             at[few + 2] = logarithm(2.5 * around);
             at = limits.clipped(at);
             const double value = evaluate(at, most, 3, false);
-            if (value > start.value) start = {at, most, value, found.turn};
+            if (value > start.value) start = {at, most, value, found.turn, found.half_turns};
         }
     if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
     Place fine = climb(start.at, most, limits, 1, 40);
     fine.turn = found.turn;
+    fine.half_turns = found.half_turns;
     return fine;
 }
 
@@ -434,7 +462,8 @@ Place Fit::best(double spacing, double least_turn) {
     }
     const Place unturned = climb(likeliest_start(limits).at, few, limits, 1, 20);
     if (least_turn == std::numeric_limits<double>::infinity()) return unturned;
-    const Place two = with_turn(unturned, limits, least_turn), three = with_fine(two, limits);
+    const Place turned = with_turn(unturned, limits, least_turn);
+    const Place two = with_half_turns(turned, limits), three = with_fine(two, limits);
     return three.value > two.value + fine_gain ? three : two;
 }
 
@@ -461,7 +490,8 @@ std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index
         const Place& of = places[i];
         std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
         for (std::size_t p = 0; p < of.count; ++p)
-            if (p != noise) values.push_back(rounded(exponential(of.at[p])));
+            if (p != noise)
+                values.push_back((of.half_turns && p == long_along - 1 ? -1.0 : 1.0) * rounded(exponential(of.at[p])));
         if (of.turn != 0.0) values.push_back(of.turn);
         found.push_back(
             {std::move(values),

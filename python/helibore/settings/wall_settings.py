@@ -106,7 +106,8 @@ class Settings(Declared, group="wall"):
         "each of one to three terms its variance (m^2), length around and length along the hole (m); then, if the "
         "shape turns along the hole, by how many degrees a metre. The covariance of two radii is the sum over the "
         "terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / along)^2) and chord = 2 R "
-        "sin(turned / 2), where turned = toolface difference - turn * depth difference. None: not known.",
+        "sin(turned / 2), where turned = toolface difference - turn * depth difference. A second term whose length "
+        "around is below 0 repeats after half a turn, as breakouts do: chord = R sin(turned). None: not known.",
     ] = None  # fmt: skip
     other_turns: Annotated[tuple[float, ...] | None, TURNS,
         "Other turns of the shape that the samples leave about as likely as ``covariance``: for each its share of the "

@@ -6,7 +6,8 @@
 
 The chord is a distance in space, so C is positive definite whatever the lengths are. One sample also has the noise
 variance. The first term is short, the second is long; a third, fine one is there only if the samples show it. So is the
-turn: a breakout, say, may turn along the hole.
+turn: a breakout, say, may turn along the hole. If that is much likelier, the long term repeats after half a turn, as
+breakouts and ovals do: its chord is R sin of the whole angle, which is a distance too.
 
 The parameters maximise the restricted likelihood of the samples; of more than 300, that of small blocks: each block has
 64 samples from a window of the hole; windows are short and long, so that the blocks show what single samples, arms and
@@ -43,6 +44,7 @@ _SAME_DEPTH = 0.5  # metres
 _LEAST_TURN = 120.0
 """Degrees a metre: one to three arms do not show a slower turn. To three, an oval that turns slowly looks like a circle
 off centre that turns the other way, twice as fast."""
+_LONG_AROUND = 6  # index in the setting: below 0 if the term repeats after half a turn
 _SEEDING = 100_000  # samples
 
 
@@ -62,20 +64,25 @@ class Covariance:
     noise: float  # m^2: variance of the noise of one sample
     radius: float  # R, metres
     turn: float = 0.0  # degrees a metre along the hole
+    half_turns: bool = False  # the long term repeats after half a turn
 
     def at(self, turn: Floats, along: Floats) -> Floats:
         """Return the covariance of two radii, m^2; ``turn`` (deg) and ``along`` (m) are differences of position."""
-        chord = 2.0 * self.radius * np.sin(np.radians(turn - self.turn * along) / 2.0)
+        turned = np.radians(turn - self.turn * along)
         total = np.zeros(np.broadcast(turn, along).shape)
-        for term in self.terms:
+        for number, term in enumerate(self.terms):
+            repeats = 2.0 if number == 1 and self.half_turns else 1.0
+            chord = 2.0 * self.radius / repeats * np.sin(repeats * turned / 2.0)
             total += term.variance * _matern(np.sqrt((chord / term.around) ** 2 + (along / term.along) ** 2))
         return total
 
     @property
     def values(self) -> tuple[float, ...]:
         """The setting ``covariance`` of a wall."""
-        values = self.radius, self.noise, *(value for term in self.terms for value in term)
-        return (*values, self.turn) if self.turn else values
+        values = [self.radius, self.noise, *(value for term in self.terms for value in term)]
+        if self.half_turns:
+            values[_LONG_AROUND] *= -1.0
+        return (*values, self.turn) if self.turn else tuple(values)
 
     @property
     def variance(self) -> float:
@@ -149,7 +156,9 @@ def covariance_of(values: Sequence[float]) -> Covariance:
     """Return the covariance that the setting ``covariance`` of a wall holds."""
     radius, noise, *lengths = values
     turn = lengths.pop() if len(lengths) % 3 else 0.0
-    return Covariance(tuple(Term(*lengths[i : i + 3]) for i in range(0, len(lengths), 3)), noise, radius, turn)
+    half_turns = len(values) > _LONG_AROUND and values[_LONG_AROUND] < 0.0
+    terms = tuple(Term(lengths[i], abs(lengths[i + 1]), lengths[i + 2]) for i in range(0, len(lengths), 3))
+    return Covariance(terms, noise, radius, turn, half_turns)
 
 
 def choose_blocks(depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator) -> Integers:

@@ -68,6 +68,9 @@ class Places:
         """Return the near and far neighbours of each place."""
         near = [self.nearest(places, term, self.count, boxes) for term in self.covariance.terms[:2]]
         sizes = np.column_stack(boxes or (np.full(len(places), -1.0),) * 2).tolist()
+        if self.covariance.half_turns:
+            opposite = self.nearest([(z, (at + 180.0) % 360.0) for z, at in places], self._long, self.count)
+            near.append([self._used(*of) for of in zip(opposite, places, sizes, strict=True)])
         found = []
         for place, box, *by_term in zip(places, sizes, *near, strict=True):
             rows = distinct(np.concatenate(by_term))
@@ -85,6 +88,11 @@ class Places:
         turn = np.abs(toolface - at)
         found: Floats = np.radians(np.minimum(turn, 360.0 - turn)) * self.covariance.radius
         return found
+
+    def _used(self, rows: Integers, place: Place, box: Sequence[float]) -> Integers:
+        rows, (depth, toolface, _) = self._outside(rows, place, box), self.samples
+        distance = np.hypot(depth[rows] - place[0], self.across(toolface[rows], place[1]))
+        return rows[distance <= self.max_distance]
 
     def _outside(self, rows: Integers, place: Place, box: Sequence[float]) -> Integers:
         if box[0] < 0:
@@ -112,8 +120,10 @@ class Places:
         leads = rows[starts]
         along = depth[leads] - place[0]
         across = self.across((toolface[leads] - self.covariance.turn * along) % 360.0, place[1])
-        square = (across / self._long.around) ** 2 + (along / self._long.along) ** 2
         within = np.flatnonzero(np.hypot(along, across) <= self.max_distance)
+        if self.covariance.half_turns:
+            across = np.minimum(across, np.pi * self.covariance.radius - across)
+        square = (across / self._long.around) ** 2 + (along / self._long.along) ** 2
         if within.size > self._wanted:
             within = within[np.argpartition(square[within], self._wanted - 1)[: self._wanted]]
         if not within.size:

@@ -39,13 +39,27 @@ def test_no_other_parameters_near_those_found_are_likelier(shape: str, seed: int
     best = posterior(found, *samples)
     r = found.radius
     low, high = (1e-12, 1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02), (1e-2, 1e-2, 40 * r, 60.0, 1e-2, 2.5 * r, 200.0)
-    values = [found.radius, found.noise, *np.ravel(found.terms)]
+    values = found.values
     for i in range(1, 8):
         for factor in (0.8, 1.25):
             other = [*values]
             other[i] *= factor
-            if low[i - 1] <= other[i] <= high[i - 1]:
+            if low[i - 1] <= abs(other[i]) <= high[i - 1]:
                 assert posterior(covariance_of(other), *samples) < best + 0.01, (i, factor)
+
+
+@pytest.mark.parametrize(("sides", "repeats"), [(2, True), (1, False)])
+def test_opposite_sides_are_alike_in_breakouts_not_in_a_key_seat(sides: int, repeats: bool) -> None:
+    rng = np.random.default_rng(5)
+    depth, toolface = np.arange(0.0, 20.0, 0.12), rng.uniform(0.0, 360.0, 167)
+    away = (toolface - 70.0 + 180.0 / sides) % (360.0 / sides) - 180.0 / sides
+    radius = 0.109 + 0.015 * np.exp(-((away / 20.0) ** 2)) + rng.normal(0.0, 5e-4, depth.size)
+    found = fit_covariance((depth, toolface, radius))
+    assert found is not None
+    assert found.half_turns == repeats
+    assert covariance_of(found.values) == found
+    beside, opposite = found.at(np.array([0.0, 180.0]), np.zeros(2))
+    assert (opposite > 0.9 * beside) == repeats
 
 
 @pytest.mark.parametrize("seed", [1, 5, 6])

@@ -17,6 +17,7 @@ ONE = (0.1, 1e-8, 4e-6, 0.08, 0.2)
 TURNING = (*TWO, 12.5)
 NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4)
 NOISY_TURNING = (0.11, 8e-6, 2e-6, 0.03, 0.06, 1e-5, 0.1, 3.0, 40.0)
+REPEATING = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, -0.1, 1.5)
 
 
 def near_and_far(columns: tuple[Floats, ...], **settings: Any) -> hb.Wall:
@@ -45,12 +46,17 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
     assert settings.covariance is not None
     at, noise, *values = settings.covariance
     turns = values.pop() if len(values) % 3 else 0.0
-    terms = [tuple(values[i : i + 3]) for i in range(0, len(values), 3)]
+    repeats = len(values) > 3 and values[4] < 0.0
+    terms = [(values[i], abs(values[i + 1]), values[i + 2]) for i in range(0, len(values), 3)]
     limit = settings.max_distance or np.inf
 
     def covariance(turn: Floats, along: Floats) -> Floats:
-        chord = 2.0 * at * np.sin(np.radians(turn - turns * along) / 2.0)
-        a = [np.sqrt(3.0 * ((chord / around) ** 2 + (along / length) ** 2)) for _, around, length in terms]
+        turned = np.radians(turn - turns * along)
+        chords = [2.0 * at * np.sin(turned / 2.0)] * len(terms)
+        if repeats:
+            chords[1] = at * np.sin(turned)
+        squares = zip(chords, terms, strict=True)
+        a = [np.sqrt(3.0 * ((chord / term[1]) ** 2 + (along / term[2]) ** 2)) for chord, term in squares]
         return np.asarray(sum(term[0] * (1.0 + x) * np.exp(-x) for term, x in zip(terms, a, strict=True)))
 
     def kriged(near: list[int], means: list[list[int]], place: float, angle: float) -> tuple[float, float, int]:
@@ -96,15 +102,23 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
         rows: set[int] = set()
         for place, angle in group:
             away = arcs(toolface, angle, at), np.abs(depth - place)
-            for term in (terms[0], long):
-                rows |= nearest(*away, term, np.full(depth.size, True), near)
+            every = np.full(depth.size, True)
+            rows |= nearest(*away, terms[0], every, near)
+            rows |= nearest(*away, long, every, (near + 1) // 2 if repeats else near)
+            if repeats:
+                found_opposite = nearest(arcs(toolface, angle + 180.0, at), away[1], long, every, (near + 1) // 2)
+                rows |= {row for row in found_opposite if np.hypot(away[0][row], away[1][row]) <= limit}
         center = group[0, 1] + 3.5 * 360.0 / settings.sectors
         turned = toolface - turns * (depth - group[:, 0].mean())
         across = np.maximum(arcs(turned, center, at) - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
         along = np.maximum(np.abs(depth - group[:, 0].mean()) - np.ptp(group[:, 0]) / 2, 0.0)
         left = [[row for row in cell if row not in rows] for cell in cells]
         of_first = {cell[0]: cell[:averaged] for cell in left if cell}
-        far = nearest(across, along, long, np.isin(np.arange(depth.size), list(of_first)), wanted)
+        leads = np.isin(np.arange(depth.size), list(of_first)) & (np.hypot(across, along) <= limit)
+        if repeats:
+            turn = np.minimum(arcs(turned, center, at), arcs(turned, center + 180.0, at))
+            across = np.maximum(turn - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
+        far = nearest(across, along, long, leads, wanted)
         means = [of_first[row] for row in sorted(far)]
         found += [kriged(sorted(rows), means, place, angle) for place, angle in group]
     return tuple(np.array(found).T)
@@ -122,6 +136,9 @@ CASES: list[dict[str, Any]] = [
     {"shape": "spiral", "n": 6000, "length": 3.0, "covariance": NOISY},
     {"shape": "oval", "n": 9000, "length": 6.0, "covariance": NOISY_TURNING, "neighbors": 21, "max_distance": 2.0},
     {"shape": "broken", "n": 500, "length": 8.0, "covariance": (0.1, 1e-5, 4e-6, 0.08, 0.4), "max_distance": None},
+    {"shape": "oval", "n": 900, "length": 9.0, "covariance": REPEATING, "max_distance": 5.0},
+    {"shape": "broken", "n": 500, "length": 5.0, "covariance": (*REPEATING, 12.5), "max_distance": 0.3},
+    {"shape": "oval", "n": 300, "length": 5.0, "covariance": (*REPEATING, 1e-6, 0.01, 0.02), "neighbors": 21},
 ]
 
 
@@ -140,7 +157,8 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
-SPLITS += [{"covariance": TURNING, "max_distance": 3.0}, {"covariance": NOISY}, {"covariance": NOISY_TURNING}]
+SPLITS += [{"covariance": TURNING, "max_distance": 3.0}, {"covariance": REPEATING, "max_distance": 3.0}]
+SPLITS += [{"covariance": NOISY}, {"covariance": NOISY_TURNING}]
 
 
 @pytest.mark.parametrize("settings", SPLITS, ids=str)
@@ -242,6 +260,7 @@ def test_samples_of_a_cell_lower_the_kriging_variance_where_noise_is_large() -> 
 BAD = [
     ({"covariance": (0.1, 1e-7)}, "covariance = [0.1, 1e-07]: must have 5, 8 or 11 values, or a turn as one more"),
     ({"covariance": (0.1, 1e-7, 1e-6, 0.0, 0.1)}, "covariance[3] = 0: must lie in 0.0001 to 1000000"),
+    ({"covariance": (0.1, 1e-7, 1e-6, -0.1, 0.1)}, "covariance[3] = -0.1: must lie in 0.0001 to 1000000"),
     ({"covariance": (0.1, np.nan, 1e-6, 0.1, 0.1)}, "covariance[1] = nan: must lie in 1e-14 to 100"),
     ({"covariance": (*ONE, -4000.0)}, "covariance[5] = -4000: must lie in -3600 to 3600 degrees a metre"),
     ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),

@@ -115,7 +115,7 @@ def test_arms_that_leave_several_turns_possible_are_not_sure() -> None:
     assert np.max(error) > 5e-3
     sure = hb.reconstruct(wall.samples, **vars(replace(wall.settings, other_turns=None)))
     np.testing.assert_array_equal(sure.radius, wall.radius)
-    assert np.mean(sure.sigma[known]) < 0.7 * np.mean(sigma[known])
+    assert np.mean(sure.sigma[known]) < 0.8 * np.mean(sigma[known])
     again = hb.reconstruct(wall.samples, **vars(wall.settings))
     np.testing.assert_array_equal(again.sigma, sigma)
 
@@ -128,10 +128,10 @@ def test_other_turns_without_ten_numbers_each_are_refused(turns: tuple[float, ..
 
 def test_a_gap_that_may_hide_a_breakout_has_none() -> None:
     """The gaps between fixed arms are wider than what the arms find that the shape is alike over."""
-    wall, error = by_arms([0.0, 30.0, 65.0, 80.0, 120.0, 150.0, 165.0, 215.0, 235.0, 260.0, 310.0, 330.0], 0.0, 0.0)
+    wall, error = by_arms([0.0, 30.0, 65.0, 80.0, 120.0, 150.0, 160.0, 215.0, 235.0, 255.0, 310.0, 330.0], 0.0, 0.0)
     covariance = covariance_of(wall.settings.covariance or ())
     around = np.degrees(covariance.terms[1].around / covariance.radius)
-    assert 20.0 < around < 50.0
+    assert 20.0 < around < 55.0
     sigma = wall.sigma
     known = np.isfinite(sigma)
     np.testing.assert_array_equal(known, wall._state().along_shape.angular_gap <= around)

@@ -87,12 +87,13 @@ struct alignas(64) SharedRoom {
 // Settings::covariance, as the kernel reads it: squares of distances times these factors are 3 h^2.
 inline constexpr int max_terms = 3;
 struct CovarianceRule {
-    int terms;
+    int terms;  // 2 or 3
     double variance[max_terms];
     double around[max_terms];  // 3 (2 R / around)^2: of the squared sine of half the toolface difference
     double along[max_terms];   // 3 / along^2
     double noise, radius;      // radius: R
     double turn;               // degrees a metre: the shape turns so much along the hole
+    bool half_turns;           // the second term repeats after half a turn
 };
 
 // Columns of list_capacity + 1 values; `across` and `along` have 16 more, which may be read. Positions from count on,

@@ -53,7 +53,7 @@ inline void sum_of_rows(int size, const double* weight, int step, const double* 
 }
 
 // Fills the matrix K, then 1 and the radii, then the unit matrix if there are slopes; and the derivatives of K.
-template <class P, int terms, bool slopes>
+template <class P, int terms, bool half_turns, bool slopes>
 __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRule& rule, const BlockRoom& room) {
     const int n = block.n, size = block.size, length = 2 * size + lanes;
     double total = rule.noise;
@@ -76,7 +76,8 @@ __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRu
             P sum(0.0);
 #pragma GCC unroll 3
             for (int t = 0; t < terms; ++t) {
-                const P of_around = around_square * P(rule.around[t]), of_along = along_square * P(rule.along[t]);
+                const P of_around = square_of_chord<P, half_turns>(t, around_square) * P(rule.around[t]);
+                const P of_along = along_square * P(rule.along[t]);
                 const P a = P::sqrt(of_around + of_along), e = P(rule.variance[t]) * decay(a);
                 const P part = e * (P(1.0) + a);
                 sum = sum + part;
@@ -100,9 +101,11 @@ __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRu
 template <class P, bool slopes>
 void fill_block(const Block& block, const CovarianceRule& rule, const BlockRoom& room) {
     if (rule.terms == 2)
-        fill_block<P, 2, slopes>(block, rule, room);
+        rule.half_turns ? fill_block<P, 2, true, slopes>(block, rule, room)
+                        : fill_block<P, 2, false, slopes>(block, rule, room);
     else
-        fill_block<P, 3, slopes>(block, rule, room);
+        rule.half_turns ? fill_block<P, 3, true, slopes>(block, rule, room)
+                        : fill_block<P, 3, false, slopes>(block, rule, room);
 }
 
 // With K = U' D^-1 U, U the rows after the elimination and E what they make of the unit matrix: K^-1 = E' D^-1 E.

@@ -2,6 +2,8 @@
 //
 //     covariance = sum over terms of  v (1 + a) exp(-a),   a^2 = 3 ((2 R sin(turn / 2) / around)^2 + (depth / along)^2)
 //
+// If the second term repeats after half a turn, it has R sin(turn) instead of 2 R sin(turn / 2).
+//
 // A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group;
 // the toolface also less what the shape turns from there. The sine of half the difference of two toolfaces is then
 // s1 c2 - c1 s2. The solution is that of kriging.hpp, with one
@@ -56,13 +58,21 @@ inline void sine_cosine(P x, P& sine, P& cosine) {
     sine = sine * x;
 }
 
-template <class P, int terms>
+// Returns the square of the chord over (2 R)^2 in term t, from that of the sine of half the difference of two
+// toolfaces.
+template <class P, bool half_turns>
+inline P square_of_chord(int t, P square) {
+    return half_turns && t == 1 ? P::max(square - square * square, P(0.0)) : square;  // rounding: below 0
+}
+
+template <class P, int terms, bool half_turns>
 inline P covariance_of(P sine, P along, const CovarianceRule& rule) {
     const P around_square = sine * sine, along_square = along * along;
     P sum(0.0);
 #pragma GCC unroll 3
     for (int t = 0; t < terms; ++t) {
-        const P a = P::sqrt(around_square * P(rule.around[t]) + along_square * P(rule.along[t]));
+        const P chord_square = square_of_chord<P, half_turns>(t, around_square);
+        const P a = P::sqrt(chord_square * P(rule.around[t]) + along_square * P(rule.along[t]));
         sum = sum + P(rule.variance[t]) * ((P(1.0) + a) * decay(a));
     }
     return sum;
@@ -70,7 +80,7 @@ inline P covariance_of(P sine, P along, const CovarianceRule& rule) {
 
 // Fills the matrix of the n neighbours without what lies left of the diagonal pack; then the covariances with the
 // vertices; then 1 and the radius less R. Rows and columns from n to `size` are those of the unit matrix and 0.
-template <class P, int terms>
+template <class P, int terms, bool half_turns>
 __attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeighbor* rows, int n, int size,
                                                 const CovarianceRule& rule, SharedRoom& room) {
     double sine[max_shared], cosine[max_shared], along[max_shared];
@@ -104,11 +114,11 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeig
         const P s(sine[i]), c(cosine[i]), z(along[i]);
         for (int j = i / lanes * lanes; j < n; j += lanes) {
             const P between = s * P::load(cosine + j) - c * P::load(sine + j);
-            covariance_of<P, terms>(between, z - P::load(along + j), rule).store(row + j);
+            covariance_of<P, terms, half_turns>(between, z - P::load(along + j), rule).store(row + j);
         }
         std::fill_n(row + n, size - n, 0.0);
         row[i] = total + rule.noise / rows[i].count;
-        covariance_of<P, terms>(s * at_cosine - c * at_sine, z - at_along, rule).store(row + size);
+        covariance_of<P, terms, half_turns>(s * at_cosine - c * at_sine, z - at_along, rule).store(row + size);
         row[size + lanes] = 1.0;
         row[size + lanes + 1] = rows[i].radius - rule.radius;
     }
@@ -163,12 +173,10 @@ __attribute__((noinline)) void eliminate(int size, int columns, double least_piv
 template <class P>
 void krige_shared(Group& g, const SharedNeighbor* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
     const int size = (n + lanes - 1) / lanes * lanes;
-    if (rule.terms == 1)
-        fill_covariances<P, 1>(g, rows, n, size, rule, room);
-    else if (rule.terms == 2)
-        fill_covariances<P, 2>(g, rows, n, size, rule, room);
-    else
-        fill_covariances<P, 3>(g, rows, n, size, rule, room);
+    const auto fill = rule.half_turns   ? rule.terms == 2 ? fill_covariances<P, 2, true> : fill_covariances<P, 3, true>
+                      : rule.terms == 2 ? fill_covariances<P, 2, false>
+                                        : fill_covariances<P, 3, false>;
+    fill(g, rows, n, size, rule, room);
     double inverse[max_shared];
     eliminate<P>(size, size + 2 * lanes, rule.noise / most_averaged, room.row[0], max_shared + 2 * lanes, room.factors,
                  inverse);
