@@ -17,12 +17,13 @@ half as far again but at most 0.15 m, as far as a measured vertex may be from it
 
 With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
 square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples; if the arms of the samples are
-known, plus what their biases add (`helibore.wall.arm_biases`). If the samples of few arms leave several turns of the
-shape along the hole about as likely, sigma^2 is the mean square, over all of them, of what they give less the wall.
-There, a gap of the turn is measured within the greatest length of the covariance along the hole (0.5 to 15 m) above and
-below the vertex, unless within that length the samples lie as those of one to three arms: these cannot show how the
-shape changes around the hole. A gap that is wider than the length of the long term around the hole may hide a shape,
-unless the shape turns past the arms.
+known, plus what their biases add (`helibore.wall.arm_biases`). If most samples have no other one within 0.1 m, they do
+not tell noise from a rough wall between them: half of the noise then counts as roughness, with the kriging variance. If
+the samples of few arms leave several turns of the shape along the hole about as likely, sigma^2 is the mean square,
+over all of them, of what they give less the wall. There, a gap of the turn is measured within the greatest length of
+the covariance along the hole (0.5 to 15 m) above and below the vertex, unless within that length the samples lie as
+those of one to three arms: these cannot show how the shape changes around the hole. A gap that is wider than the length
+of the long term around the hole may hide a shape, unless the shape turns past the arms.
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -39,12 +40,14 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
-from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out
+from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, spread
 from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
+_CLOSE = 0.1  # metres: samples that are not so close do not tell noise from a rough wall
+_ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
 NORMAL_95 = 1.959964
 
 
@@ -105,8 +108,12 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
     from helibore.wall.arm_biases import arm_shares, remaining_products
+    from helibore.wall.covariance import covariance_of
 
-    variance = _with_other_turns(wall, near_and_far_factor(samples, wall.settings) ** 2 * wall.sums[0], threads)
+    covariance, factor = covariance_of(wall.settings.covariance or ()), near_and_far_factor(samples, wall.settings)
+    variance = _with_other_turns(wall, factor**2 * wall.sums[0], threads)
+    if _far_apart(samples, covariance.radius):
+        variance += factor**2 * _ROUGHNESS * covariance.noise
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
         arm, products = remaining
@@ -115,6 +122,19 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     sigma: Floats = np.sqrt(variance)
     sigma[_unmeasured(replace(wall, settings=with_gaps_of_shape(samples, wall.settings)))] = np.nan
     return sigma
+
+
+def _far_apart(samples: Columns, radius: float) -> bool:
+    """Return whether most samples have no other one within `_CLOSE` on a wall of a radius."""
+    depth, toolface, _ = samples
+    rows = spread(depth.size, _FEW_TARGETS)
+    alone = 0
+    for row in rows:
+        low, high = np.searchsorted(depth, [depth[row] - _CLOSE, depth[row] + _CLOSE])
+        turn = np.abs(toolface[low:high] - toolface[row])
+        across = np.radians(np.minimum(turn, 360.0 - turn)) * radius
+        alone += np.sum(np.hypot(across, depth[low:high] - depth[row]) <= _CLOSE) == 1
+    return bool(alone > 0.5 * rows.size)
 
 
 def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:

@@ -48,6 +48,24 @@ def test_the_interval_covers_the_truth(count: int, settings: dict[str, Any]) -> 
     assert np.corrcoef(sigma[known], abs(error[known]))[0, 1] > 0.2  # larger where the error is
 
 
+def test_the_interval_covers_a_rough_wall_between_samples_far_apart() -> None:
+    """A roughness of 1 mm, finer than the samples are apart, looks like noise to them."""
+    rng = np.random.default_rng(3)
+
+    def rough(depth: Floats, toolface: Floats) -> Floats:
+        fine = 1e-3 * np.sqrt(2.0) * np.sin(40.0 * np.radians(toolface) + 500.0 * depth)
+        return np.asarray(0.109 + 4e-3 * np.cos(2.0 * np.radians(toolface)) + fine)
+
+    depth, toolface = np.arange(0.0, 20.0, 0.12), rng.uniform(0.0, 360.0, 167)
+    radius = rough(depth, toolface) + rng.normal(0.0, 5e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="automatic")
+    sigma, error = wall.sigma, wall.radius - rough(wall.depth, wall.toolface)
+    known = np.isfinite(sigma)
+    assert known.mean() > 0.9
+    assert 0.9 < np.mean(abs(error[known]) <= 1.96 * sigma[known]) <= 1.0
+    assert sigma[known].mean() < 1.6 * np.sqrt(np.mean(error[known] ** 2))
+
+
 def test_more_noise_is_less_sure() -> None:
     """As much less sure as the wall is worse."""
     found = []
