@@ -23,7 +23,8 @@ the samples of few arms leave several turns of the shape along the hole about as
 over all of them, of what they give less the wall. There, a gap of the turn is measured within the greatest length of
 the covariance along the hole (0.5 to 15 m) above and below the vertex, unless within that length the samples lie as
 those of one to three arms: these cannot show how the shape changes around the hole. A gap that is wider than the length
-of the long term around the hole may hide a shape, unless the shape turns past the arms.
+of the long term around the hole (two thirds of it if the term repeats after half a turn) may hide a shape, unless the
+shape turns past the arms.
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -47,6 +48,7 @@ TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
 _CLOSE = 0.1  # metres: samples that are not so close do not tell noise from a rough wall
+_OF_HALF_TURNS = 2.0 / 3.0  # share of the length around of a term that repeats after half a turn
 _ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
 NORMAL_95 = 1.959964
 
@@ -146,6 +148,7 @@ def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:
 
     covariance = covariance_of(settings.covariance or ())
     around = float(np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius))
+    around *= _OF_HALF_TURNS if covariance.half_turns else 1.0
     reach = covariance.gap_reach if shows_around(samples, covariance.gap_reach) else settings.gap_reach
     most = settings.largest_gap if covariance.turn else min(settings.largest_gap, around)
     return replace(settings, gap_reach=reach, largest_gap=most)
