@@ -48,6 +48,7 @@ TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
 _CLOSE = 0.1  # metres: samples that are not so close do not tell noise from a rough wall
+_CROWD = 500  # samples above and below one
 _OF_HALF_TURNS = 2.0 / 3.0  # share of the length around of a term that repeats after half a turn
 _ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
 NORMAL_95 = 1.959964
@@ -132,10 +133,10 @@ def _far_apart(samples: Columns, radius: float) -> bool:
     rows = spread(depth.size, _FEW_TARGETS)
     alone = 0
     for row in rows:
-        low, high = np.searchsorted(depth, [depth[row] - _CLOSE, depth[row] + _CLOSE])
-        turn = np.abs(toolface[low:high] - toolface[row])
+        near = slice(max(row - _CROWD, 0), row + _CROWD)  # of more at one depth, these are close enough
+        turn = np.abs(toolface[near] - toolface[row])
         across = np.radians(np.minimum(turn, 360.0 - turn)) * radius
-        alone += np.sum(np.hypot(across, depth[low:high] - depth[row]) <= _CLOSE) == 1
+        alone += np.sum(np.hypot(across, depth[near] - depth[row]) <= _CLOSE) == 1
     return bool(alone > 0.5 * rows.size)
 
 
