@@ -496,4 +496,5 @@ def _setting_text(name: str, value: Any) -> str:
         return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
     if isinstance(value, str):
         return value
-    return f"{value:.10g} {SETTING_UNITS.get(name, '')}".strip()
+    numbers = value if isinstance(value, tuple | list) else [value]
+    return f"{', '.join(f'{of:.10g}' for of in numbers)} {SETTING_UNITS.get(name, '')}".strip()

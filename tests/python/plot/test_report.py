@@ -194,6 +194,15 @@ def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall, golden: Gold
     assert shown[shown.index("made from: by") + 1] == "me"
 
 
+def test_settings_of_several_numbers_are_listed(wall: hb.Wall) -> None:
+    """A wall with near and far neighbours has a covariance."""
+    covariance = (0.109, 1e-7, 1e-6, 0.05, 0.06, 4e-6, -0.1, 0.6)
+    made = hb.reconstruct(
+        wall.samples, bit_diameter=BIT, estimator="near-and-far", covariance=covariance, sectors=32, pitch=0.5
+    )
+    assert ", ".join(f"{of:.10g}" for of in covariance) in page(made, dpi=40, polar=(), body=())
+
+
 def test_no_number_is_minus_nought() -> None:
     assert (number(-0.0004), number(-0.04, 1), number(-0.06, 1), number(math.nan)) == ("0.000", "0.0", "-0.1", "")
 
