@@ -24,6 +24,10 @@ const withoutRig = {
   name: 'without rig mode',
   setup: (build) => build.onLoad({ filter: /rig_(digits|places)\.js$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, writeDigits = 0;' })),
 };
+const texts = {
+  name: 'texts',
+  setup: (build) => build.onLoad({ filter: /\.html$/ }, ({ path }) => ({ contents: unindented(path), loader: 'text' })),
+};
 /** @param {string} source @param {object} kind */
 const bundled = (source, kind) => esbuild.build({
   entryPoints: [join(here, 'src', source)],
@@ -34,14 +38,14 @@ const bundled = (source, kind) => esbuild.build({
   legalComments: 'none',
   charset: 'utf8',
   nodePaths: [modules],
-  plugins: [shaders],
+  plugins: [shaders, texts],
   ...kind,
 });
 await bundled('main.js', { format: 'esm', outfile: join(out, 'app.js') });
 // Alone it defines what late.js looks for, so it may also stand before app.js in one file.
 const late = { format: 'iife', globalName: 'more', footer: { js: 'globalThis.more=more;' } };
 await bundled('more.js', { ...late, outfile: join(out, 'more.js') });
-await bundled('more.js', { ...late, plugins: [shaders, withoutRig], outfile: join(out, 'offline_more.js') });
+await bundled('more.js', { ...late, plugins: [shaders, texts, withoutRig], outfile: join(out, 'offline_more.js') });
 await bundled('wells.js', { format: 'esm', outfile: join(out, 'wells.js') });
 await esbuild.build({ entryPoints: [join(here, 'app.css')], minify: true, target: 'es2022', charset: 'utf8', outfile: join(out, 'app.css') });
 for (const name of ['index.html', 'wells.html']) writeFileSync(join(out, name), unindented(join(here, name)));

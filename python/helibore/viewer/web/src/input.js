@@ -7,6 +7,7 @@ import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.
 import { leftEdge } from './path.js';
 import { fly, isInside, STEP, toggleFlight, turnHead, unhold } from './inside.js';
 import { byId } from './dom.js';
+import { whenLate } from './late.js';
 import { onString } from './string.js';
 import { tabs } from './panel.js';
 import { CLASSES } from './picking.js';
@@ -235,7 +236,7 @@ export function bindControls(app) {
   on('fit', 'click', () => app.renderer.fit());
   on('fly', 'click', () => toggleFlight(app));
   on('whole', 'click', () => view.toggleWhole());
-  on('keys', 'click', openHelp);
+  on('keys', 'click', () => openHelp(app));
   on('copy', 'click', () => app.selection.copy());
   on('pin', 'click', () => app.selection.keepSection());
   on('quantity', 'change', ({ value }) => app.selection.setQuantity(value));
@@ -278,10 +279,12 @@ function bindHistogram(app) {
 }
 
 // The browser scrolls to the dialog's button, at the bottom, to give it the focus: scroll back to the top.
-function openHelp() {
+/** @param {App} app */
+const openHelp = (app) => whenLate(app, ({ HELP }) => {
+  byId('help').innerHTML ||= HELP;
   byId('help').showModal();
   byId('help').scrollTop = 0;
-}
+});
 
 /** @param {App} app */
 export function bindKeys(app) {

@@ -1,0 +1,6 @@
+// Texts that the bundler puts into a script.
+
+declare module '*.html' {
+  const text: string;
+  export default text;
+}
