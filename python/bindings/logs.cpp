@@ -85,7 +85,7 @@ py::dict unworn_columns(const Column& radius, int sectors, double start_toolface
 
 py::dict passage_columns(const std::tuple<double, double, double, int, Index>& helix, const Column& radius,
                          const Path& path, const std::vector<std::tuple<double, double, double>>& bodies,
-                         const Column& counts, const Column& sigma, int threads) {
+                         const Column& counts, const Column& sigma, int threads, Index only_turn) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<RigidBody> string;
     for (const auto& [start, stop, diameter] : bodies) string.push_back({start, stop, diameter});
@@ -93,7 +93,7 @@ py::dict passage_columns(const std::tuple<double, double, double, int, Index>& h
     {
         const WithoutGil released;
         found = passage({start_depth, start_toolface, pitch, sectors, first, span_of(radius)}, path, string,
-                        span_of(counts), span_of(sigma), threads);
+                        span_of(counts), span_of(sigma), threads, only_turn);
     }
     const std::vector<py::ssize_t> contacts{std::ssize(found.clearance), most_contacts};
     py::dict columns;
@@ -292,7 +292,7 @@ void register_logs(py::module_& m) {
     m.def("unworn_columns", &unworn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
           py::arg("bit_diameter"), py::arg("counts"), py::arg("threads"));
     m.def("passage_columns", &passage_columns, py::arg("helix"), py::arg("radius"), py::arg("path"), py::arg("bodies"),
-          py::arg("counts"), py::arg("sigma"), py::arg("threads"));
+          py::arg("counts"), py::arg("sigma"), py::arg("threads"), py::arg("only_turn") = -1);
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
     m.def("section_library", &section_library, py::arg("bit_diameter"), py::arg("criteria"), py::arg("even"));

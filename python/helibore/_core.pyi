@@ -208,6 +208,7 @@ def passage_columns(
     counts: Floats,
     sigma: Floats,
     threads: int,
+    only_turn: int = -1,
 ) -> dict[str, Any]: ...
 def measured(
     helix: _Helix,

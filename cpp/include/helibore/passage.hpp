@@ -48,8 +48,10 @@ struct Passage {
 // Computes the passage of a string. `counts` and `sigma` have one entry for each radius or none: a vertex with count 0
 // does not count, and `sigma` is the standard uncertainty of each radius, metres. The result does not depend on
 // `threads`. Throws InputError if the path does not reach the wall or has no frame there, as `place` does; if there is
-// no body, a body is not longer than 1e-3 m, or has a diameter below 0; and if a length of columns differs.
+// no body, a body is not longer than 1e-3 m, or has a diameter below 0; and if a length of columns differs. If
+// `only_turn` is not below 0, this turn alone has a result.
 Passage passage(const HelixRadii& radii, const Path& path, std::span<const RigidBody> string,
-                std::span<const double> counts = {}, std::span<const double> sigma = {}, int threads = 1);
+                std::span<const double> counts = {}, std::span<const double> sigma = {}, int threads = 1,
+                Index only_turn = -1);
 
 }  // namespace helibore

@@ -492,7 +492,8 @@ View view_of(const Hole& hole, const Path& path, double depth, Index turn) {
 }  // namespace
 
 Passage passage(const HelixRadii& radii, const Path& path, std::span<const RigidBody> string,
-                std::span<const double> given_counts, std::span<const double> given_sigma, int threads) {
+                std::span<const double> given_counts, std::span<const double> given_sigma, int threads,
+                Index only_turn) {
     const StandardArithmetic standard;
     require_threads(threads);
     require_sectors(radii.sectors);
@@ -533,6 +534,7 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
     std::vector<Work> works(static_cast<std::size_t>(threads));
 
     const auto solve_turn = [&](Index turn, Work& work, bool draw) {
+        if (only_turn >= 0 && turn != only_turn) return;
         const auto at = static_cast<std::size_t>(turn);
         const double depth = helix.start_depth + (static_cast<double>((first_turn + turn) * hole.sectors) +
                                                   0.5 * static_cast<double>(hole.sectors - 1)) *

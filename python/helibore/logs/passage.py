@@ -301,7 +301,7 @@ def hanging_at(
         counts = np.empty(0) if at_most else part(known.astype(np.float64), 1.0)
         counted = known | (not at_most)  # hole that counts as open has no error
         errors = np.empty(0) if inward is None else np.pad(np.where(counted[own], inward, 0.0), lack)
-        found = _core.passage_columns(place, radii, path, bodies, counts, errors, threads)
+        found = _core.passage_columns(place, radii, path, bodies, counts, errors, threads, row)
         clearance, body = float(found["clearance"][row]), int(found["contact_body"][row, 0])
         if math.isfinite(clearance):
             low, high = float(found["low"][row]), float(found["high"][row])
