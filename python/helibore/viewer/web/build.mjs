@@ -22,11 +22,15 @@ const shaders = {
 // The page without a server has no rig mode.
 const withoutRig = {
   name: 'without rig mode',
-  setup: (build) => build.onLoad({ filter: /rig_(digits|places)\.js$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, writeDigits = 0;' })),
+  setup: (build) => build.onLoad({ filter: /rig(_digits\.js|_places\.js|\.css)$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, writeDigits = 0; export default 0;', loader: 'js' })),
 };
+// What a module imports of these is a text.
 const texts = {
   name: 'texts',
-  setup: (build) => build.onLoad({ filter: /\.html$/ }, ({ path }) => ({ contents: unindented(path), loader: 'text' })),
+  setup: (build) => {
+    build.onLoad({ filter: /\.html$/ }, ({ path }) => ({ contents: unindented(path), loader: 'text' }));
+    build.onLoad({ filter: /\.css$/ }, ({ path }) => ({ contents: esbuild.transformSync(readFileSync(path, 'utf8'), { loader: 'css', minify: true }).code, loader: 'text' }));
+  },
 };
 /** @param {string} source @param {object} kind */
 const bundled = (source, kind) => esbuild.build({
@@ -45,7 +49,7 @@ await bundled('main.js', { format: 'esm', outfile: join(out, 'app.js') });
 // Alone it defines what late.js looks for, so it may also stand before app.js in one file.
 const late = { format: 'iife', globalName: 'more', footer: { js: 'globalThis.more=more;' } };
 await bundled('more.js', { ...late, outfile: join(out, 'more.js') });
-await bundled('more.js', { ...late, plugins: [shaders, texts, withoutRig], outfile: join(out, 'offline_more.js') });
+await bundled('more.js', { ...late, plugins: [withoutRig, shaders, texts], outfile: join(out, 'offline_more.js') });
 await bundled('wells.js', { format: 'esm', outfile: join(out, 'wells.js') });
 await esbuild.build({ entryPoints: [join(here, 'app.css')], minify: true, target: 'es2022', charset: 'utf8', outfile: join(out, 'app.css') });
 for (const name of ['index.html', 'wells.html']) writeFileSync(join(out, name), unindented(join(here, name)));

@@ -1,6 +1,6 @@
 import js from '@eslint/js';
 
-const BROWSER = ['atob', 'btoa', 'clearInterval', 'clearTimeout', 'crypto', 'devicePixelRatio', 'document', 'fetch', 'history', 'location', 'localStorage', 'navigator', 'performance', 'requestAnimationFrame', 'setInterval', 'setTimeout', 'window', 'AbortSignal', 'MessageChannel', 'Option', 'Response', 'TextEncoder', 'Path2D', 'ResizeObserver', 'TextDecoder', 'URL', 'URLSearchParams', 'Blob', 'DecompressionStream', 'WebAssembly', 'Worker', 'postMessage', 'self', 'WebSocket', 'innerHeight', 'innerWidth'];
+const BROWSER = ['atob', 'btoa', 'clearInterval', 'clearTimeout', 'crypto', 'CSSStyleSheet', 'devicePixelRatio', 'document', 'fetch', 'history', 'location', 'localStorage', 'navigator', 'performance', 'requestAnimationFrame', 'setInterval', 'setTimeout', 'window', 'AbortSignal', 'MessageChannel', 'Option', 'Response', 'TextEncoder', 'Path2D', 'ResizeObserver', 'TextDecoder', 'URL', 'URLSearchParams', 'Blob', 'DecompressionStream', 'WebAssembly', 'Worker', 'postMessage', 'self', 'WebSocket', 'innerHeight', 'innerWidth'];
 
 export default [
   {

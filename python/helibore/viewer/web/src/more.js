@@ -11,6 +11,7 @@ export { plainImage } from './plain_image.js';
 export { paneOf, saveStage } from './stage_picture.js';
 export { hungInRig, placesOf, writeDigits } from './rig_digits.js';
 export { rigSection } from './rig_places.js';
+export { default as rigStyles } from '../rig.css';
 export { drawRun } from './run_chart.js';
 export { toTemplate } from './template_text.js';
 export { drawWallInk } from './wall_ink.js';

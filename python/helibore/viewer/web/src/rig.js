@@ -10,12 +10,19 @@ export const RECENT = 30; // metres of hole that "last" and "ahead" mean, if the
 /** @param {Store} store */
 export const recent = ({ span: [shallow, deep], levels: [{ pitch }] }) => (pitch > 0 ? [Math.max(shallow, deep - RECENT), deep] : [shallow, Math.min(deep, shallow + RECENT)]);
 
-// Show rig mode, or hide it; its digits are in more.js.
+// Show rig mode, or hide it; its digits and styles are in more.js.
 /** @param {App} app */
 export function writeRig(app) {
   const { view, store } = app;
   byId('rig').hidden = !view.rig || !store;
   document.body.classList.toggle('rig', view.rig);
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
-  if (view.rig && store) late(app)?.writeDigits(app);
+  const more = view.rig && late(app);
+  if (!more) return;
+  if (!document.adoptedStyleSheets.length) {
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync(more.rigStyles);
+    document.adoptedStyleSheets = [sheet];
+  }
+  if (store) more.writeDigits(app);
 }
