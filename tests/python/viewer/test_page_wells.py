@@ -17,6 +17,7 @@ from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
 
+COLOURS = Path(hb.__file__).parent / "base" / "color_maps.json"
 HEADS = {"A-1": (10.0, 20.0, -30.0), "B-2": (15.0, 60.0, -30.0), "C-3": (40.0, 90.0, -30.0)}
 TOPS = {"A-1": (1004.0, 1010.0), "B-2": (1006.0, 1009.0), "C-3": (1003.5, 1012.0)}
 
@@ -214,8 +215,32 @@ class TestPage:
             first, second = (words[at - 2 : at] for at, word in enumerate(words) if word == "bit 200")
             assert first == second, "one diameter has one place"
             assert float(second[1]) >= 320
-            key = [word for word in words if word in {"bed", "fracture", "fault", "breakout"} or "washout" in word]
-            assert key == ["W washout", "bed", "fracture"]
+            key = [word for word in words if word in {"bed", "fracture", "fault", "breakout", "washout"}]
+            assert key == ["washout", "bed", "fracture"]
+            colour = screen.evaluate("window.__wall.wells.view.theme === 'dark' ? 1 : 0")
+            washout = f"#{json.loads(COLOURS.read_text())['zones']['washout'][colour]}"
+            filled = [path.get("d") for path in root.iter() if path.get("fill") == washout]
+            assert len(filled) == 2, "the strip and the key have the same colour"
+            screen.close()
+
+    def test_side_by_side_the_dips_have_a_track_and_numbers_and_the_zones_their_colours(self, browser: Any) -> None:
+        walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
+        walls["A-1"].picks = [hb.Pick(kind="fracture", depth=1007.0, apparent_dip=60.0, toolface=90.0)]
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section&units=mm", (1366, 768), drawn=False)
+            screen.until("window.__wall.wells.section.columns[0]?.rects.dips")
+            dip, azimuth = walls["A-1"].picks[0].dip(walls["A-1"].path)
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'fracture')")
+            labels = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            assert f"{dip:.0f} / {azimuth:03.0f}" in labels
+            assert labels.count("dip [°]") == 2, "each well has the track, so that the wells stay alike"
+            ends = screen.evaluate("window.__wall.wells.section.columns.map(({ rects }) => rects.dips.left + 84)")
+            assert ends[1] == pytest.approx(screen.evaluate("document.getElementById('ink').clientWidth"), abs=12)
+            apart = np.hypot(*np.subtract(HEADS["A-1"], HEADS["B-2"])[:2])
+            assert f"{apart:.0f} m apart" in labels
+            screen.evaluate("document.getElementById('planes').click()")
+            screen.until("!window.__wall.wells.section.columns[0].rects.dips")
+            assert screen.touching("ink") == []
             screen.close()
 
     def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:

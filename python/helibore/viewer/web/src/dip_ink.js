@@ -5,8 +5,8 @@
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
-import { planeDepth, riseOf } from './dips.js';
-import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { anglesInWords, anglesOf, planeDepth, riseOf } from './dips.js';
+import { BOLD, HEAD, inside, label, PALETTES, SMALL, SMALL_BOLD, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
@@ -33,12 +33,19 @@ export function linesOf(ink, { view }, { kept, current, selected, open }) {
     });
 }
 
+// Draw the picks; the angles of a plane stand at the right end of its curve on the first image.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {boolean} straight */
 export function drawDips(ink, look, planes, straight) {
-  const palette = PALETTES[look.view.theme];
-  for (const { plane, stroke } of linesOf(ink, look, planes)) {
+  const { view, path, rects: { image } } = look;
+  const palette = PALETTES[view.theme];
+  const lines = linesOf(ink, look, planes);
+  for (const { plane, stroke } of lines) {
     for (const one of look.images) curve(ink, one, plane, stroke);
     if (straight) columnCurve(ink, look, plane, stroke);
+  }
+  for (const { plane, colour } of view.rig ? [] : lines) {
+    const [x, y] = [image.left + image.width - 4, yOf(view, image, plane.curve?.depths.at(-1) ?? NaN)];
+    if (inside(image, x, y)) label(ink, anglesOf(plane, path), x, y, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, -9], [0, 11]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);
@@ -48,13 +55,13 @@ export function drawDips(ink, look, planes, straight) {
 // first pick, the first of the texts `start` that has room says how to pick. While the wall grows, the meaning of the glowing
 // colours comes first.
 /** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
-export function drawLegend(ink, { view, growing, rects: { axis, image, pane } }, { kept, boxes }, start) {
+export function drawLegend(ink, { view, path, growing, rects: { axis, image, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
   const [from, end] = image.width ? [axis.left, pane.left] : [pane.left + BAR_END, pane.left + pane.width]; // beside the colours below the hole
   const palette = PALETTES[view.theme];
   const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
   const y = axis.top + axis.height + 10;
-  let x = from + 8;
+  let [x, words] = [from + 8, ''];
   ink.font = SMALL;
   const glows = growing && x + 120 < end ? GLOWS : [];
   for (const [colour, name] of glows) {
@@ -73,10 +80,14 @@ export function drawLegend(ink, { view, growing, rects: { axis, image, pane } },
       ink.strokeStyle = palette.picks[kind];
       ink.lineWidth = 2;
       ink.strokeRect(x - 4, y - 4, 8, 8);
-    } else symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
+    } else {
+      symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
+      words = anglesInWords(path);
+    }
     label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
     x = right + 16;
   }
+  if (image.width && words && x + ink.measureText(words).width < end) label(ink, words, x - 4, y, { colour: palette.soft, font: SMALL });
 }
 
 /** @param {Ink} ink @param {Look} look @param {Plane} plane @param {() => void} stroke */

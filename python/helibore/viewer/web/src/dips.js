@@ -99,3 +99,19 @@ export function heldPlane(planes, { cursor }) {
 // Return by how much a plane rises above its middle on the wall.
 /** @param {Pick<Plane, 'a' | 'b' | 'radius'>} plane */
 export const riseOf = ({ a, b, radius }) => radius * Math.hypot(a, b);
+
+// Return the angles of a plane: 34 / 120.
+/** @param {Plane} plane @param {Path} path */
+export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
+  const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];
+  return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
+}
+
+/** @param {Path} path */
+export const northOf = ({ north }) => (north ? `${north} north` : 'a north that is not stated');
+/** @param {Path} path */
+export const northInWords = (path) => northOf(path) + (path.north ? '' : ' (path.north states it)');
+
+// Return what the two angles are.
+/** @param {Path} path */
+export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northInWords(path)}` : 'apparent dip / toolface of the deepest point');

@@ -3,11 +3,11 @@
 
 import { BAR } from './color_bar.js';
 import { linesOf } from './dip_ink.js';
-import { riseOf, wallPoint } from './dips.js';
+import { anglesOf, northOf, riseOf, wallPoint } from './dips.js';
 import { eyeDepth } from './inside.js';
 import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { anglesOf, drawLine, northOf, topsOf } from './plane_rings.js';
+import { drawLine, topsOf } from './plane_rings.js';
 import { turn } from './turns.js';
 import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';

@@ -11,7 +11,7 @@ import { strikes } from './strokes.js';
 export const HEAD = 80;
 const FOOT = 20;
 
-const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
+export const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // pixels that the hole has at least, so that its controls fit in two lines above it
 const SHARE = 0.42; // of the stage that the hole has on its path and from inside, until the user widens a track

@@ -4,7 +4,7 @@
 import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
 import { label, PALETTES, SMALL } from './layout.js';
-import { northInWords } from './plane_rings.js';
+import { northInWords } from './dips.js';
 
 const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose

@@ -2,7 +2,7 @@
 // hides of it is left out. From inside it is its line on the wall, so that nothing is veiled.
 
 import { linesOf } from './dip_ink.js';
-import { planeDepth, wallPoint } from './dips.js';
+import { anglesOf, planeDepth, wallPoint } from './dips.js';
 import { BOLD, label, PALETTES } from './layout.js';
 import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vectors.js';
 
@@ -41,22 +41,6 @@ export function topsOf({ intervals }, { kept }) {
   }
   return tops;
 }
-
-// Return the angles of a plane: 34 / 120.
-/** @param {Plane} plane @param {Path} path */
-export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
-  const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];
-  return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
-}
-
-/** @param {Path} path */
-export const northOf = ({ north }) => (north ? `${north} north` : 'a north that is not stated');
-/** @param {Path} path */
-export const northInWords = (path) => northOf(path) + (path.north ? '' : ' (path.north states it)');
-
-// Return what the two angles are.
-/** @param {Path} path */
-export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northInWords(path)}` : 'apparent dip / toolface of the deepest point');
 
 // Draw the discs; return a function that writes the angles beside them.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu @param {Map<Plane, string>} tops */

@@ -69,10 +69,10 @@ export function drawAxisLabels(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     const high = y < rect.top + 12; // no room above the tick
     const alone = view.rig && !path.trueDepth; // at its tick
-    label(ink, depthNumber(value, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
+    label(ink, depthNumber(value, view.units, digits), end, alone ? y : high ? y + 1 : y - 1, { colour: palette.ink, halo: palette.paper, align: 'right', baseline: alone ? 'middle' : high ? 'top' : 'bottom', font: alone ? BOLD : FONT, yields: true });
     const other = !view.bent ? path.tvd(depth) : depth >= store.span[0] && depth <= store.span[1] ? depth : NaN;
     if (Number.isNaN(other) || high || y > rect.top + rect.height - 14) continue;
-    label(ink, depthNumber(other, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
+    label(ink, depthNumber(other, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, halo: palette.paper, align: 'right', baseline: 'top', font: SMALL, yields: true });
   }
 }
 
@@ -166,7 +166,7 @@ export function outside({ view, store, growing }, rect) {
   const bottom = rect.top + rect.height;
   /** @param {number} depth @param {boolean} drilled @param {string} end */
   const words = (depth, drilled, end) => {
-    const at = showDepth(depth, view.units, 1);
+    const at = showDepth(depth, view.units, 1) + (view.bent ? ' MD' : '');
     return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`, at] : [`${end} of data, ${at}`, `${end} of data`];
   };
   return [

@@ -2,12 +2,12 @@
 
 import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
-import { wallPoint } from './dips.js';
+import { anglesInWords, wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD, within } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
-import { anglesInWords, drawDiscs, topsOf } from './plane_rings.js';
+import { drawDiscs, topsOf } from './plane_rings.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus, scaled } from './vectors.js';

@@ -50,7 +50,7 @@ export class Well {
   begin(handshake) {
     if (this.store) for (const level of this.store.levels) for (const tile of level.tiles.values()) tile.textures?.dispose();
     this.store = new Store(handshake);
-    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference, handshake.assumed);
+    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference, handshake.assumed, handshake.north);
     this.quantities = quantities(this.store);
     this.ask(...this.store.span);
   }

@@ -167,14 +167,13 @@ export class Scene {
     for (const { name, colour } of visible) {
       drawn.slice(0, -1).forEach((well, i) => {
         const next = drawn[i + 1];
-        const [a, b] = [well, next].map((one) => bed(one, name));
+        const { a, b, top, base } = joined(well, next, name);
         if (!a || !b) return;
         const rows = [[well, a], [next, b]].map(([one, ends]) => along(/** @type {Pair} */ (ends), STEPS).map((depth) => this.at(/** @type {import('./well.js').Well} */ (one), depth)));
-        const [top, base] = [0, 1].map((end) => [well, next].every((one) => drilled(one, name)[end]));
         if (shown.fence && base) areas.strip(rows[0], rows[1], colour, 0.32);
         if (!top) return;
-        const joined = [a[0], b[0]].map((depth, j) => this.at(j ? next : well, depth));
-        areas.strip(joined, joined.map((point) => plus(point, [0, 0, -0.0022 * size])), colour, 0.95);
+        const upper = [a[0], b[0]].map((depth, j) => this.at(j ? next : well, depth));
+        areas.strip(upper, upper.map((point) => plus(point, [0, 0, -0.0022 * size])), colour, 0.95);
       });
       if (!shown.discs) continue;
       for (const well of drawn) {
@@ -318,6 +317,24 @@ const along = ([start, stop], steps) => Array.from({ length: steps + 1 }, (_, i)
 export function drilled({ store }, name) {
   const [, start, stop] = store.intervals.find(([one]) => one === name) ?? ['', NaN, NaN];
   return [start >= store.span[0] - 1e-6, (stop ?? Infinity) < store.span[1] - Math.abs(store.levels[0].pitch)];
+}
+
+// Return a bed in two neighbours (`a`, `b`), and whether its top and its base lie in the measured hole of both.
+/** @param {import('./well.js').Well} one @param {import('./well.js').Well} next @param {string} name */
+export function joined(one, next, name) {
+  const [a, b] = [bed(one, name) ?? contact(next, one, name), bed(next, name) ?? contact(one, next, name)];
+  const [top, base] = [0, 1].map((end) => a?.[0] === a?.[1] || drilled(one, name)[end]).map((is, end) => is && (b?.[0] === b?.[1] || drilled(next, name)[end]));
+  return { a, b, top, base };
+}
+
+// Return where a bed that a well lacks wedges out in it: where the beds above and below it in another well meet; null if they do not.
+/** @param {import('./well.js').Well} other @param {import('./well.js').Well} well @param {string} name @returns {Pair | null} */
+function contact({ store: { intervals: others } }, { store: { intervals, span } }, name) {
+  const i = others.findIndex(([one]) => one === name);
+  if (i < 0 || intervals.some(([one]) => one === name)) return null;
+  const [above, below] = [others[i - 1], others[i + 1]].map((beside) => intervals.find(([one]) => one === beside?.[0]));
+  if (!above || !below || below[1] < span[0] || below[1] > span[1] || Math.abs((above[2] ?? below[1]) - below[1]) > 1e-3) return null;
+  return [below[1], below[1]];
 }
 
 // Return the part of a bed that lies in the well, null if there is none.

@@ -2,14 +2,15 @@
 // between them. Depths are measured depths, true depths, or count from a top, which then stands at one height in all wells.
 
 import { drawCaliper, linesOf, profile, scaleFor } from './caliper.js';
-import { drawDips, drawLegend } from './dip_ink.js';
-import { BOLD, depthAt, fitting, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
+import { BOLD, depthAt, DIPS, fitting, HEAD, inkOn, label, PALETTES, SMALL, SMALL_BOLD, tracksEnd } from './layout.js';
 import { edges, line, sharp } from './strokes.js';
 import { intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawImageHead, drawOutside } from './tracks.js';
 import { LENGTHS, showDepth, showLength, showQuantity } from './units.js';
-import { bed, drilled } from './wells_scene.js';
-import { LETTERS } from './zones.js';
+import { minus } from './vectors.js';
+import { joined } from './wells_scene.js';
+import { LETTERS, STRIP } from './zones.js';
 
 const NAME = 24; // pixels above the heads, for the names of the wells
 const AXIS = 76;
@@ -90,18 +91,20 @@ export class Section {
     if (!this.fitted || wells.drawn.length > this.seen) this.fit();
     const palette = PALETTES[view.theme];
     const drawn = wells.drawn.filter((well) => Number.isFinite(this.datumOf(well)));
-    const each = rect.width / Math.max(1, drawn.length);
-    const between = Math.min(120, Math.max(28, 0.14 * each));
+    const between = Math.min(120, Math.max(28, (0.14 * rect.width) / Math.max(1, drawn.length)));
+    const each = (rect.width - 12 + between) / Math.max(1, drawn.length); // the last well ends at the right
     const body = { top: NAME + HEAD, height: Math.max(40, rect.height - NAME - HEAD - FOOT) };
     const shape = each - between - AXIS > 150;
+    const dips = wells.shown.planes && each - between - AXIS > 300 && drawn.some(({ planes }) => planes.length) ? DIPS.desk : 0;
     this.columns = drawn.map((well, i) => {
       const left = i * each + 4;
-      const room = each - between - AXIS - 8;
+      const room = each - between - AXIS - (dips ? dips + 6 : 0);
       const caliper = shape && well.store.basis !== 'gauge' ? Math.round(0.36 * room) : 0;
       const image = { ...body, left: left + AXIS, width: room - caliper - (caliper ? 6 : 0) };
       const none = { ...body, left, width: 0 };
+      const last = { ...body, left: left + AXIS + room + 6, width: dips };
       const bent = wells.datum === TRUE ? bend(well, this.top, this.length) : undefined;
-      return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, wall: none, pane: none } };
+      return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, ...(dips ? { dips: last } : {}), wall: none, pane: none } };
     });
     const looks = this.columns.map(({ well, datum, bent, rects }) => {
       const [top, bottom] = bent ? [0, 1].map(bent.depth) : [this.top + datum, this.top + datum + this.length];
@@ -134,25 +137,31 @@ export class Section {
   key(ink, looks, { left, width, height }) {
     const { wells } = this;
     const inView = looks.flatMap(({ zones, view }) => zones.filter(({ start, stop }) => stop > view.top && start < view.bottom));
-    const words = Object.entries(LETTERS).filter(([name]) => inView.some(({ kind }) => kind === name)).map(([name, letter]) => `${letter} ${name}`).join('   ');
+    const palette = PALETTES[wells.view.theme];
     const y = height - 8;
-    ink.font = SMALL;
-    label(ink, words, left + 8, y, { colour: PALETTES[wells.view.theme].soft, font: SMALL });
+    let x = left + 8;
+    for (const [kind, letter] of /** @type {[Zone['kind'], string][]} */ (Object.entries(LETTERS)).filter(([name]) => inView.some((zone) => zone.kind === name))) {
+      ink.fillStyle = palette.zones[kind];
+      ink.fillRect(x, y - 7, STRIP, 14);
+      label(ink, letter, x + STRIP / 2, y, { colour: inkOn(palette.zones[kind]), align: 'center', font: SMALL_BOLD });
+      label(ink, kind, x + STRIP + 5, y, { colour: palette.ink, font: SMALL });
+      x += STRIP + 17 + ink.measureText(kind).width;
+    }
     if (!wells.shown.planes) return;
     /** @template {{ depth: number }} One @param {(well: import('./well.js').Well) => One[]} of */
     const seen = (of) => this.columns.flatMap(({ well }, i) => of(well).filter(({ depth }) => depth >= looks[i].view.top && depth <= looks[i].view.bottom));
     const kept = seen(({ planes }) => planes);
     const boxes = seen(({ picks }) => picks.filter((pick) => pick.kind === 'breakout'));
     const none = { left, top: 0, width: 1, height: 1 };
-    const rects = { ...looks[0].rects, axis: { ...none, left: left + 8 + (words ? ink.measureText(words).width + 8 : 0), top: y - 11 }, image: none, pane: { ...none, left: left + width } };
+    const rects = { ...looks[0].rects, axis: { ...none, left: x, top: y - 11 }, image: none, pane: { ...none, left: left + width } };
     drawLegend(ink, { ...looks[0], view: wells.viewOf(-1e6, 2e6), rects }, { kept, boxes, selected: null, current: null, open: false }, []);
   }
 
   /** @param {Ink} ink @param {Look} look @param {{ well: import('./well.js').Well, rects: Rects }} of @param {Palette} palette @param {number[]} [lines] of the scale of the caliper */
   column(ink, look, { well, rects }, palette, lines) {
-    const { axis, image, caliper } = rects;
+    const { axis, image } = rects;
     const looks = { ...look, images: [look], curtain: null };
-    const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
+    const right = tracksEnd(rects);
     ink.font = BOLD;
     label(ink, fitting(ink, [well.name], right - axis.left), (axis.left + right) / 2, 11, { colour: palette.ink, align: 'center', font: BOLD });
     ink.save();
@@ -163,7 +172,9 @@ export class Section {
     drawImageHead(ink, moved);
     drawCaliper(ink, moved, lines);
     drawOutside(ink, moved);
-    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false }, false);
+    const planes = { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false };
+    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, planes, false);
+    if (rects.dips) tadpoles(ink, moved, moved.rects.dips, planes);
     ink.restore();
     edges(ink, sharp(image, -1), palette.line);
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
@@ -187,18 +198,26 @@ export class Section {
   // Fill the bands of the beds that two neighbours have.
   /** @param {Ink} ink @param {{ top: number, height: number }} body */
   join(ink, body) {
+    this.columns.slice(0, -1).forEach((one, i) => {
+      const next = this.columns[i + 1];
+      const [a, b] = [one, next].map(({ well: { path, store: { span: [top, bottom] } } }) => path.at((top + bottom) / 2).centre);
+      const [left, right] = [tracksEnd(one.rects), next.rects.axis.left];
+      const text = `${showDepth(Math.hypot(...minus(a, b).slice(0, 2)), this.wells.view.units, 0)} apart`;
+      ink.font = SMALL;
+      if (this.wells.note || !one.well.path.surveyed || !next.well.path.surveyed || ink.measureText(text).width > right - left) return;
+      label(ink, text, (left + right) / 2, 11, { colour: PALETTES[this.wells.view.theme].soft, align: 'center', font: SMALL, yields: true });
+    });
     ink.save();
     ink.beginPath();
     ink.rect(0, body.top, 1e5, body.height);
     ink.clip();
     this.columns.slice(0, -1).forEach((one, i) => {
       const next = this.columns[i + 1];
-      const end = one.rects.caliper.width ? one.rects.caliper : one.rects.image;
-      const [left, right] = [end.left + end.width + 2, next.rects.axis.left];
+      const [left, right] = [tracksEnd(one.rects) + 2, next.rects.axis.left];
       for (const { name, colour } of this.wells.tops) {
-        const [a, b] = [one, next].map(({ well, rects }) => (this.wells.hidden.has(name) ? null : bed(well, name)?.map((depth) => this.y(this.down(well, depth), rects))));
-        if (!a || !b) continue;
-        const [top, base] = [0, 1].map((edge) => [one, next].every(({ well }) => drilled(well, name)[edge]));
+        const { top, base, ...ends } = joined(one.well, next.well, name);
+        const [a, b] = [ends.a, ends.b].map((pair, j) => pair?.map((depth) => this.y(this.down([one, next][j].well, depth), one.rects)));
+        if (!a || !b || this.wells.hidden.has(name)) continue;
         if (top) line(ink, left, a[0], right, b[0], colour, [], 2.5);
         if (!base) continue;
         ink.beginPath();
@@ -216,9 +235,8 @@ export class Section {
   /** @param {number} x @param {number} y */
   found(x, y) {
     for (const { well, rects, datum, bent } of this.columns) {
-      const { axis, image, caliper } = rects;
-      const right = caliper.width ? caliper.left + caliper.width : image.left + image.width;
-      if (x < axis.left || x > right || y < axis.top || y > axis.top + axis.height) continue;
+      const { axis } = rects;
+      if (x < axis.left || x > tracksEnd(rects) || y < axis.top || y > axis.top + axis.height) continue;
       return { well, depth: depthAt({ top: this.top + datum, bottom: this.top + datum + this.length, bent }, axis, y) };
     }
     return null;

@@ -2,12 +2,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
 import { drawDips, drawLegend, tadpoles } from '../src/dip_ink.js';
-import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
+import { anglesInWords, anglesOf, fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys, bindTracks } from '../src/input.js';
 import { touch } from '../src/layout.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
-import { anglesInWords, anglesOf, edgeOf, topsOf } from '../src/plane_rings.js';
+import { edgeOf, topsOf } from '../src/plane_rings.js';
 import { Path } from '../src/path.js';
 import { compass } from '../src/wall_ink.js';
 
@@ -166,7 +166,7 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
   const draw = (surveyed) => {
     const made = path(0, 0, { surveyed });
     const kept = [0, 89.9].flatMap((dip) => [0, 90, 180, 270].map((toolface) => planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: dip, toolface }, 0.1)));
-    const look = { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } };
+    const look = { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect, image: { left: 0, width: 0, top: 80, height: 400 } } };
     const planes = { kept, boxes: [], current: null, selected: null, open: false };
     drawDips(ink, look, planes, false);
     const before = xs.length;
@@ -181,13 +181,26 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
 });
 
 test('below the tracks stands how to begin, as far as there is room, until something is picked', () => {
-  const said = (width, kept = []) => {
+  const said = (width, kept = [], surveyed = true) => {
     const texts = [];
     const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: (text) => ({ width: 7 * text.length }), fillText: (text) => texts.push(text) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
-    drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, rects: { axis: { left: 60, top: 80, height: 400 }, image: { width: 40 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
+    drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, path: Object.assign(path(20, 0, { surveyed }), { north: 'true' }), rects: { axis: { left: 60, top: 80, height: 400 }, image: { width: 40 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
     return texts;
   };
   assert.deepEqual([said(100), said(60), said(30), said(100, [{ depth: 5, kind: 'bed' }])], [['a long text'], ['short'], [], []]);
+  const kept = [{ depth: 0.5, kind: 'bed' }];
+  assert.deepEqual([said(400, kept), said(100, kept), said(500, kept, false)], [['bed', 'dip / azimuth from true north'], ['bed'], ['bed', 'apparent dip / toolface of the deepest point']]);
+});
+
+test('the angles of a plane stand at the right end of its curve, where it is in view', () => {
+  const texts = [];
+  const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: () => ({ actualBoundingBoxLeft: 40, actualBoundingBoxRight: 0, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 }), fillText: (text, x, y) => texts.push([text, x, Math.round(y)]) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
+  const made = path(20, 45, { surveyed: true });
+  const kept = [1003, 1012].map((depth) => planeOf(made, { kind: 'bed', depth, apparent_dip: 45, toolface: 180 }, 0.1));
+  const image = { left: 100, top: 80, width: 200, height: 400 };
+  const look = { view: { theme: 'light', cut: 'top', top: 1000, bottom: 1010, middle: 1005, length: 10 }, path: made, rects: { image }, wallRect: image };
+  drawDips(ink, { ...look, images: [look] }, { kept, boxes: [], current: null, selected: null, open: false }, false);
+  assert.deepEqual(texts, [[anglesOf(kept[0], made), 296, 80 + 40 * 2.9 - 9]]); // a tenth of a metre above its middle
 });
 
 function picking(more = {}) {
