@@ -6,7 +6,7 @@ import math
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,9 @@ MOST_NAMED = 5
 
 STOPPED = 130
 """Exit code after Ctrl-C, the code that shells use."""
+
+AGAIN = 0.05
+"""Seconds after which a Ctrl-C that Python dropped comes again."""
 
 FAILED = 3
 """Exit code if wells failed, or the catalogue could not be written."""
@@ -97,21 +100,14 @@ def reprocess(
             echo(f"{well}: out of date: changed since it was made: {changed}")
     else:
         seen: list[Progress] = []
-        ctrl_c: list[int] = []
-
-        def stop(number: int, _: object) -> None:
-            ctrl_c.append(number)
-            raise KeyboardInterrupt
 
         def show(progress: Progress) -> None:
-            if ctrl_c:  # Dask's callbacks of the garbage collector ignore exceptions, this one as well
-                raise KeyboardInterrupt
             seen[:] = [progress]
             if not quiet:
                 _show(progress)
 
         try:
-            with signal_handled(signal.SIGINT, stop):
+            with ctrl_c_again_where_ignored():
                 found = run(
                     jobs, scheduler, workers=workers, insecure=insecure_scheduler, dashboard=dashboard, progress=show
                 )
@@ -132,16 +128,20 @@ def reprocess(
 
 
 @contextmanager
-def signal_handled(number: int, handler: Callable[[int, object], None]) -> Iterator[None]:
-    """Call a handler for a signal meanwhile, unless signals are not those of this thread or ignored."""
-    if threading.current_thread() is not threading.main_thread() or signal.getsignal(number) is signal.SIG_IGN:
-        yield
-        return
-    before = signal.signal(number, handler)
+def ctrl_c_again_where_ignored() -> Iterator[None]:
+    """Raise Ctrl-C again if Python drops it, as it does in Dask's callbacks of the garbage collector."""
+
+    def drop(of: sys.UnraisableHookArgs) -> None:
+        if isinstance(of.exc_value, KeyboardInterrupt):
+            threading.Timer(AGAIN, signal.raise_signal, [signal.SIGINT]).start()
+        else:
+            before(of)
+
+    before, sys.unraisablehook = sys.unraisablehook, drop
     try:
         yield
     finally:
-        signal.signal(number, before)
+        sys.unraisablehook = before
 
 
 def _show(progress: Progress) -> None:

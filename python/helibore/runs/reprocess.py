@@ -10,6 +10,7 @@ scheduler the wells run on this machine, with one worker per processor and one c
 from __future__ import annotations
 
 import contextlib
+import logging
 import tempfile
 import time
 import uuid
@@ -228,6 +229,7 @@ def connected(client: Client | str | None, workers: int | None = None, *, dashbo
             "dashboard_address": "127.0.0.1:0" if dashboard else None,
             "scheduler_kwargs": {} if dashboard else {"dashboard_address": "127.0.0.1:0"},
             "preload": IGNORE_CTRL_C,
+            "silence_logs": logging.CRITICAL,  # the progress has each fault; a worker that is stopped logs tracebacks
             "security": Security.temporary(),
         }
         with tempfile.TemporaryDirectory(prefix="helibore-") as notes:
