@@ -188,6 +188,9 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
     if math.isfinite(axis.mean):
         text = f"breakouts along {axis.mean:.0f} and {axis.mean + 180:.0f} deg, {axis.spread('zone', ' deg', 1)}"
         lines.append(("", f"{text}, of the whole wall"))
+    azimuth = found.breakout_azimuth
+    if math.isfinite(azimuth.mean):
+        lines.append(("", f"azimuth of breakouts {azimuth.mean:.0f} and {azimuth.mean + 180:.0f} deg from north"))
     criteria = facts_in(zones.criteria.facts(), unit).items()
     return [*lines, ("", "; ".join(f"{name.removeprefix('criterion ')} {text}" for name, text in criteria))]
 

@@ -53,6 +53,7 @@ COLUMNS = {
 }  # fmt: skip
 """Columns of the table, as in logs and zones, and the field of `Pick` in each; `DIP` has two more."""
 DIP = ("DIP (deg)", "DIP_AZIMUTH (deg)")
+AXIS = "AXIS_AZIMUTH (deg)"
 APPARENT = ("TOOLFACE (deg)", "APPARENT_DIP (deg)")
 TEXTS = ("kind", "note", "image", "key")
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
@@ -156,6 +157,10 @@ class Pick:
         dip = math.degrees(math.atan2(math.hypot(north, east), -down))
         return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
 
+    def axis(self, path: Path | None) -> float:
+        """Return the azimuth of the axis of a breakout, degrees in [0, 180); NaN for a plane and as `Path.azimuth`."""
+        return math.nan if path is None or self.kind != BREAKOUT else path.azimuth(self.depth, self.toolface) % 180
+
 
 def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pick:
     """Return the pick of a plane that crosses the path at a depth with a true dip and a dip azimuth, degrees."""
@@ -216,12 +221,12 @@ class Picks(list[Pick]):
         self[:] = [pick for pick in self if pick.key != key]
 
     def table(self, path: Path | None = None) -> str:
-        """Return the picks as CSV, sorted by depth; with a path, true dips are included."""
+        """Return the picks as CSV, sorted by depth; with a path, with true dips and the azimuths of breakouts."""
         text = io.StringIO()
         writer = csv.writer(text)
-        writer.writerow([*COLUMNS, *DIP])
+        writer.writerow([*COLUMNS, *DIP, AXIS])
         for pick in sorted(self, key=lambda one: one.depth):
-            dips = ("" if math.isnan(angle) else _cell(angle) for angle in pick.dip(path))
+            dips = ("" if math.isnan(angle) else _cell(angle) for angle in (*pick.dip(path), pick.axis(path)))
             writer.writerow([*map(cell, _cells(pick)), *dips])
         return text.getvalue()
 

@@ -355,14 +355,7 @@ def _azimuth(pick: Pick, path: Path) -> float | None:
 
 def _axis(toolface: float, depth: float, path: Path) -> float | None:
     """Return the azimuth of the direction at a toolface, mod 180; None where it is not known or says nothing."""
-    if math.isnan(toolface) or not path.start_depth <= depth <= path.stop_depth:
+    azimuth = path.azimuth(depth, toolface)
+    if math.isnan(azimuth) or math.degrees(math.acos(min(1.0, abs(path.tangent(depth)[2])))) > MOST_INCLINATION:
         return None
-    try:
-        zero, right, along = path.frame(np.array([depth]))[0]
-    except InputError:  # toolface 0 is undefined
-        return None
-    if math.degrees(math.acos(min(1.0, abs(along[2])))) > MOST_INCLINATION:
-        return None
-    angle = math.radians(toolface)
-    north, east, _ = math.cos(angle) * zero + math.sin(angle) * right
-    return math.degrees(math.atan2(east, north)) % 180
+    return azimuth % 180

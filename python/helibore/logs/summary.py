@@ -79,8 +79,8 @@ class WallSummary:
     kinds
         Metres of hole by kind, for the kinds that occur, without gauge hole. They are metres of the turns in zones that
         meet the criterion: gaps that a zone joins count for its length only.
-    breakout_axis
-        Mean axis of the whole wall's breakouts, weighted by length.
+    breakout_axis, breakout_azimuth
+        Mean axis of the whole wall's breakouts, weighted by length: as a toolface, and from north by the path.
     shape, arms
         Source of ovality, least and greatest diameter and kinds (`Logs.shape`); number of diameters that arms measured.
     coverage
@@ -119,6 +119,7 @@ class WallSummary:
     washed_out: float
     kinds: Mapping[str, float]
     breakout_axis: Axes
+    breakout_azimuth: Axes
     shape: Shape
     arms: int
     coverage: float
@@ -278,6 +279,7 @@ def summarize(
         washed_out=math.nan if turns.basis == "gauge" else metres["washout"],
         kinds={kind: length for kind, length in metres.items() if length},
         breakout_axis=zones.breakout_axis(),
+        breakout_azimuth=zones.breakout_azimuth(),
         shape=turns.shape,
         arms=len(turns.arm_diameter),
         coverage=float((share * turns.coverage).sum() / share.sum()) if share.any() else math.nan,

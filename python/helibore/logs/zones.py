@@ -196,6 +196,20 @@ class Classification(Tabular):
         turned = self.logs.shape == "wall" or axes.deviation >= ONE_AXIS
         return axes if turned else replace(axes, deviation=math.nan)  # it would say nothing about the lobes
 
+    def azimuths(self) -> Floats:
+        """Return the azimuth of the axis of each breakout at its middle, [0, 180) degrees; else NaN."""
+        path = self.logs.path
+        return np.array([
+            path.azimuth((of.start + of.stop) / 2, of.toolface) % 180 if path and of.kind == "breakout" else math.nan
+            for of in self.zones
+        ])  # fmt: skip
+
+    def breakout_azimuth(self) -> Axes:
+        """Return mean azimuth and spread of all breakouts from north, weighted by length; NaN if none is known."""
+        known = np.isfinite(self.azimuths())
+        axes = axial_mean(self.azimuths()[known], np.array([zone.length for zone in self.zones])[known])
+        return replace(axes, deviation=axes.deviation if math.isfinite(self.breakout_axis().deviation) else math.nan)
+
     def column(self) -> LogColumn:
         """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""
         meaning = f"Kind of the zone whose criterion the turn meets, {CLASSES}"
@@ -227,6 +241,7 @@ class Classification(Tabular):
             ("PIPE", "m", "Diameter of the pipe that fits a key seat", [of.pipe_diameter for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
+            ("AXISAZI", "deg", "Azimuth of the axis of a breakout, from north", self.azimuths()),
         ]
         for number in (1, 2):
             lobes = [of.lobes[number - 1] if number <= len(of.lobes) else NO_LOBE for of in zones]

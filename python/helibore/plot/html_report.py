@@ -35,7 +35,7 @@ from helibore.plot.diameters import Diameters
 from helibore.plot.log import pages_of
 from helibore.plot.paper import MM, rendered
 from helibore.plot.pick_pages import in_interval, nets, table_head, table_note, table_row
-from helibore.plot.print_header import HEADER, facts, measured_text, sentence, toolface_text
+from helibore.plot.print_header import HEADER, facts, measured_text, sentence, stated_north, toolface_text
 from helibore.plot.stress_rose import stress_rose
 from helibore.plot.tracks import LETTERS, zone_look
 from helibore.plot.zone_list import criteria_text
@@ -223,7 +223,10 @@ def _summary(content: Content) -> str:
             ("Hole volume", f"{volume}; {summary.excess_text()} against the bit"),
         ]
     if wall.basis == "azimuthal":
-        axis = summary.breakout_axis
+        axis, azimuth = summary.breakout_axis, summary.breakout_azimuth
+        if math.isfinite(azimuth.mean):
+            axes = f"azimuths {azimuth.mean:.0f}° and {azimuth.mean + 180:.0f}° from {stated_north(content)}"
+            rows.append(("Breakout azimuth", f"{axes}, {azimuth.spread('zone', '°', 0)}"))
         if math.isfinite(axis.mean):
             axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"
             rows.append(("Breakout axis", axes))

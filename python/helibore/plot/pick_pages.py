@@ -70,7 +70,8 @@ def table_row(pick: Pick, content: Content) -> list[str]:
             f"{misfit}, {pick.points} points" if pick.points > 3 else f"{pick.points} points" if pick.points else ""
         )
         own = [number(pick.apparent_dip, 1), number(pick.toolface, 0), "–", fitted or "by hand"]
-    angles = number(dip, 1) or "–", number(azimuth, 0) or "–"
+    axis = pick.axis(content.wall.path)
+    angles = number(dip, 1) or "–", number(axis if math.isnan(azimuth) else azimuth, 0) or "–"
     return [pick.kind, in_depth_unit(pick.depth, content), *angles, *own, pick.note or "–"]
 
 

@@ -130,9 +130,13 @@ def north_of_picks(content: Content) -> str:
     """Return as text which north the dip azimuths of picks count from."""
     if content.wall.path is None:
         return "without a survey, dip and azimuth are not known"
+    return f"dip azimuths count from {stated_north(content)}"
+
+
+def stated_north(content: Content) -> str:
+    """Return as text which north the azimuths of the path count from."""
     north = _north(content)
-    stated = f"{north} north" if north else f"a north that is not stated ({STATES_NORTH})"
-    return f"dip azimuths count from {stated}"
+    return f"{north} north" if north else f"a north that is not stated ({STATES_NORTH})"
 
 
 def _north(content: Content) -> str:

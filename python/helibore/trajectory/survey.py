@@ -10,6 +10,7 @@ azimuths into another. Not supported: other corrections of a survey (sag, tool e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field
 from typing import Any
@@ -25,6 +26,9 @@ from helibore.base.notebook import card, curve_picture
 from helibore.base.units import ANGLE, LENGTH
 from helibore.settings.path_settings import Method
 from helibore.trajectory.references import NORTHS, Reference
+
+UPRIGHT = math.sin(math.radians(1.0))
+"""Level part of a direction, up to which it has no azimuth."""
 
 __all__ = ["CorePath", "Method", "Path", "Survey"]
 
@@ -271,6 +275,22 @@ class Path:
             vertical, north if it points within the same angle of horizontal north or south.
         """
         return _shaped(self._core.frame(_depths(depth)), depth)
+
+    def azimuth(self, depth: float, toolface: float) -> float:
+        """Return the azimuth of the direction at a toolface: of its level part, degrees in [0, 360).
+
+        NaN beyond the ends of the path, where toolface 0 is undefined (`frame`), and where the direction is less than a
+        degree from the vertical.
+        """
+        if math.isnan(toolface) or not self.start_depth <= depth <= self.stop_depth:
+            return math.nan
+        try:
+            zero, right, _ = self.frame(depth)
+        except InputError:  # toolface 0 is undefined
+            return math.nan
+        angle = math.radians(toolface)
+        north, east, _ = math.cos(angle) * zero + math.sin(angle) * right
+        return math.degrees(math.atan2(east, north)) % 360 if math.hypot(north, east) > UPRIGHT else math.nan
 
     def north_to_high_side(self, depth: npt.ArrayLike) -> Floats:
         """Return the angle to add to a toolface from north, so that it counts from the high side, at each depth.

@@ -117,7 +117,7 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
         assert vars(one) == pytest.approx(vars(before))
     rows = file.read_text().splitlines()
     assert rows[0].startswith("class,DEPT (m),TOOLFACE (deg),APPARENT_DIP (deg),RADIUS (m),")
-    assert rows[-2].endswith(",20,100"), "the true dip stands in the table"
+    assert rows[-2].endswith(",20,100,"), "the true dip stands in the table"
 
 
 def test_a_table_without_keys_gives_the_same_ones_at_every_reading_and_no_key_twice() -> None:

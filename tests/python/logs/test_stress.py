@@ -181,3 +181,34 @@ def test_the_rank_at_and_beside_each_limit(
 @pytest.mark.parametrize(("deviation", "rank"), [(40 - 1e-6, "D"), (40 + 1e-6, "E")])
 def test_the_rank_beside_the_greatest_deviation(scheme: str, deviation: float, rank: str) -> None:
     assert ranked(20, 1000.0, deviation, scheme) == rank
+
+
+def test_a_breakout_has_one_azimuth_in_zones_summary_picks_and_stress() -> None:
+    """At 15 and at 40 degrees, where an angle around the hole from north is not the azimuth of a direction."""
+    toolface, depth = np.tile(np.arange(36) * 10.0, 400), 1000.0 + np.arange(400 * 36) / 3600
+    broken = (np.abs((toolface - 50 + 90) % 180 - 90) < 15) & (np.abs(depth - 1002) < 0.8)
+    for inclination in (15.0, 40.0):
+        path = hb.Survey([0, 2000], [inclination] * 2, [63.0] * 2).path()
+        caliper = hb.Caliper(depth, toolface, np.where(broken, 0.13, 0.1))
+        wall = hb.reconstruct(caliper, bit_diameter=0.2, sectors=36, pitch=0.01)
+        wall.path = path
+        zones = wall.zones()
+        (zone,) = zones.of("breakout")
+        lean, towards, t = (math.radians(angle) for angle in (inclination, 63.0, zone.toolface))
+        along = np.array([math.cos(towards), math.sin(towards)])  # level parts: of high side cos(lean) along, and right
+        right = np.array([-math.sin(towards), math.cos(towards)])
+        north, east = math.cos(t) * math.cos(lean) * along + math.sin(t) * right
+        by_hand = math.degrees(math.atan2(east, north)) % 180
+        assert zones.azimuths() == pytest.approx([by_hand])
+        assert wall.summary().breakout_azimuth.mean == pytest.approx(by_hand)
+        assert zones.table()["AXISAZI"].values == pytest.approx([by_hand])
+        pick = Pick(kind="breakout", depth=1002.0, toolface=zone.toolface, height=1.6, opening=30.0)
+        assert pick.axis(path) == pytest.approx(by_hand)
+        assert float(next(csv.DictReader(hb.Picks([pick]).table(path).splitlines()))["AXIS_AZIMUTH (deg)"]) == (
+            pytest.approx(by_hand)
+        )
+        found = stress_of_picks([pick], path)
+        assert found.azimuth == pytest.approx((by_hand + 90) % 180) if inclination < 20 else found.left_out == 1
+    assert math.isnan(wall.path.azimuth(3000.0, 10.0)), "beyond the path"
+    wall.path = None
+    assert np.isnan(wall.zones().azimuths()).all()

@@ -107,6 +107,13 @@ export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
   return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
 }
 
+// Return both azimuths of a breakout's axis as text, '' where they are not known.
+/** @param {Path} path @param {number} depth @param {number} [toolface] */
+export function axisOf(path, depth, toolface = NaN) {
+  const azimuth = path.azimuth(depth, toolface) % 180;
+  return Number.isNaN(azimuth) ? '' : [azimuth, azimuth + 180].map((at) => `${at.toFixed(0).padStart(3, '0')}°`).join(' / ');
+}
+
 /** @param {Path} path */
 export const northOf = ({ north }) => (north ? `${north} north` : 'a north that is not stated');
 /** @param {Path} path */

@@ -51,13 +51,12 @@ export function drawNet({ ink, width, height }, { view, path }, { kept, boxes },
     const [x, y] = pole(dip || 0, azimuth || 0);
     symbol(ink, net.x + radius * x, net.y - radius * y, plane.kind, palette.picks[plane.kind], palette.panel);
   }
-  /** @param {number} depth */
-  const north = (depth) => path.dial(depth).north ?? 0;
-  const axes = breakouts.flatMap(({ depth, toolface }) => [0, 180].map((turn) => toolface - north(depth) + turn));
+  const north = sidesOf(path)[0] === 'N';
+  const axes = breakouts.map(({ depth, toolface }) => (north ? path.azimuth(depth, toolface) : toolface)).filter(Number.isFinite).flatMap((axis) => [axis, axis + 180]);
   const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
   petals(ink, flower, rose(dips), palette.soft);
   petals(ink, flower, rose(axes), palette.picks.breakout);
-  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (sidesOf(path)[0] === 'N' ? `dip azimuths from ${northInWords(path)}` : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
+  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (north ? `dip azimuths from ${northInWords(path)}` : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
 }
 
 /** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {Palette} palette @param {string[]} names */

@@ -5,6 +5,7 @@
 //   toolface of up    = atan2(-right.down, -high.down)       undefined where the hole is vertical
 //   toolface of north = atan2(right.north, high.north)       undefined where the hole runs north or south
 
+import { wrap360 } from './helix.js';
 import { cross, normalised } from './vectors.js';
 
 const DEG = 180 / Math.PI;
@@ -78,6 +79,16 @@ export class Path {
     const place = (depth - this.startDepth) / this.step;
     if (place >= 0 && place <= this.count - 1) return 'beyond the survey';
     return place < 0 === this.step < 0 ? 'below the wall' : 'above the wall';
+  }
+
+  // Return the azimuth of the direction at a toolface, of its level part; NaN where it is not known (as Path.azimuth in Python).
+  /** @param {number} depth @param {number} toolface */
+  azimuth(depth, toolface) {
+    if (!this.surveyed) return this.reference === 'north' ? wrap360(toolface) : NaN;
+    const { high, right } = this.at(depth);
+    const [c, s] = [Math.cos(toolface / DEG), Math.sin(toolface / DEG)];
+    const [north, east] = [0, 1].map((i) => c * high[i] + s * right[i]);
+    return Math.hypot(north, east) < FAINT ? NaN : wrap360(Math.atan2(east, north) * DEG);
   }
 
   // Return the toolface of up and that of north at a depth, degrees; null where undefined.

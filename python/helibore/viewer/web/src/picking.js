@@ -6,7 +6,7 @@
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
-import { fitPlane, planeDepth, planeOf } from './dips.js';
+import { axisOf, fitPlane, northOf, planeDepth, planeOf } from './dips.js';
 import { byId, options } from './dom.js';
 import { download } from './saving.js';
 import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
@@ -558,6 +558,7 @@ export class Picking {
       const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : this.slack(plane);
       lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
+    else if (pick && axisOf(this.app.path, pick.depth, pick.toolface)) lines.unshift(`azimuth ${axisOf(this.app.path, pick.depth, pick.toolface)} from ${northOf(this.app.path)}`);
     lines.push(`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`);
     const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;

@@ -7,6 +7,7 @@
 import { lookup, themed } from './color.js';
 import { sized } from './device.js';
 import { ACROSS } from './caliper.js';
+import { axisOf } from './dips.js';
 import { rowAt } from './curves.js';
 import { BOLD, fitting, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
@@ -233,6 +234,7 @@ export function turnText(look, found, show) {
   const zone = zoneAt(look.zones, depth);
   const { measured } = found;
   const share = showShare(1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length);
+  const azimuth = zone?.kind === 'breakout' ? axisOf(look.path, (zone.start + zone.stop) / 2, zone.toolface) : '';
   /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const of = look.arms ? ' of arms' : '';
@@ -243,7 +245,7 @@ export function turnText(look, found, show) {
     ['Least', show(Number.isNaN(measured.c1) ? NaN : measured.min)],
     ['Area diameter', show(equivalent)],
     ...certainty(found.sure, show),
-    ...(zone ? [['Zone', `${sentence(zone)}, ${share} of the turn measured`.replaceAll(' %', '\u00a0%')], [MEASURES[zone.kind], showSigned(zone.measure, units, units === 'mm' ? 0 : 1)]] : [['Turn measured', share], ['Zone', 'none']]),
+    ...(zone ? [['Zone', `${sentence(zone)}, ${share} of the turn measured`.replaceAll(' %', '\u00a0%')], [MEASURES[zone.kind], showSigned(zone.measure, units, units === 'mm' ? 0 : 1)], ...(azimuth ? [['Azimuth', azimuth]] : [])] : [['Turn measured', share], ['Zone', 'none']]),
   ];
 }
 

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
 import { drawDips, drawLegend, tadpoles } from '../src/dip_ink.js';
-import { anglesInWords, anglesOf, fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
+import { anglesInWords, anglesOf, axisOf, fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys, bindTracks } from '../src/input.js';
 import { touch } from '../src/layout.js';
 import { pole, rose } from '../src/net.js';
@@ -538,4 +538,16 @@ test('the corner axes have all three names in every attitude, none on another', 
     assert.deepEqual(canvas.labels.map(({ text }) => text), ['N', 'E', 'up'], `turned ${turned / RAD}, raised ${raised / RAD}`);
     for (const one of canvas.labels) assert.deepEqual(canvas.labels.filter((other) => touch(one, other)), [one], `turned ${turned / RAD}, raised ${raised / RAD}`);
   }
+});
+
+test('the azimuth of a breakout is that of its direction, not its angle from north around the hole', () => {
+  const [I, A, t] = [40 * RAD, 63 * RAD, 50 * RAD]; // as in test_stress.py
+  const [north, east] = [Math.cos(t) * Math.cos(I) * Math.cos(A) - Math.sin(t) * Math.sin(A), Math.cos(t) * Math.cos(I) * Math.sin(A) + Math.sin(t) * Math.cos(A)];
+  const made = path(40, 63);
+  near(made.azimuth(1010, 50), Math.atan2(east, north) / RAD, 1e-4);
+  assert.equal(axisOf(made, 1010, 230), '120° / 300°');
+  assert.ok(95 - made.dial(1010).north - made.azimuth(1010, 95) > 6, 'they differ');
+  assert.ok(Number.isNaN(path(90, 63).azimuth(1010, 0)), 'straight up');
+  const unsurveyed = new Path(1000, 0.5, 'north');
+  assert.deepEqual([axisOf(unsurveyed, 1010, 30), axisOf(new Path(1000, 0.5, 'high-side'), 1010, 30)], ['030° / 210°', '']);
 });
