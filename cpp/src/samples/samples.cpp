@@ -149,12 +149,13 @@ const RowsOfCells& Chunk::rows_of(const Cells& cells) const {
         std::vector<Last> of_column(static_cast<std::size_t>(cells.around));
         for (Index i = 0; i < count; ++i) {
             const auto at = static_cast<std::uint16_t>(i);
-            Last& last = of_column[static_cast<std::size_t>(cells.column(depth()[i], toolface()[i]))];
+            const Index column = cells.column(depth()[i], toolface()[i]);
+            Last& last = of_column[static_cast<std::size_t>(column)];
             const double row = cells.row(depth()[i]);
             if (row == last.row)
                 rows.next[last.at] = at;
             else
-                rows.first.push_back(at);
+                rows.starts.push_back({row, static_cast<std::uint16_t>(column), at});
             last = {row, at};
         }
         return rows;

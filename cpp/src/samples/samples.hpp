@@ -72,10 +72,17 @@ struct Cells {
     }
 };
 
-// The rows of a chunk by cells: the first row of each cell, in order, and of each row the next of its cell, 0 if there
-// is none. A cell may have more rows in the chunks before and behind.
+// The first sample of a cell in a chunk: its offset, and where the cell is.
+struct CellStart {
+    double row;
+    std::uint16_t column, offset;
+};
+
+// The rows of a chunk by cells: where each cell starts, in order, and of each row the next of its cell, 0 if there is
+// none. A cell may have more rows in the chunks before and behind.
 struct RowsOfCells {
-    std::vector<std::uint16_t> first, next;
+    std::vector<CellStart> starts;
+    std::vector<std::uint16_t> next;
 };
 
 // The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above

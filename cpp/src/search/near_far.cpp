@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "base/trigonometry.hpp"
+
 namespace helibore {
 namespace {
 
@@ -46,6 +48,16 @@ Settings turned_by_half(Settings settings) {
 
 bool repeats_after_half_a_turn(const Settings& settings) {
     return long_term(settings) == 1 && settings.covariance[6] < 0.0;
+}
+
+// A cell, from its first sample on.
+struct Cell : CellStart {
+    std::size_t chunk;
+};
+
+// Returns the first cell of a chunk that lies at this row or below it.
+std::vector<CellStart>::const_iterator starts_from(const std::vector<CellStart>& starts, double row) {
+    return std::ranges::partition_point(starts, [&](const CellStart& start) { return start.row < row; });
 }
 
 // A cell, from its first sample that is not a near neighbour.
@@ -85,9 +97,9 @@ struct NearFar::Scratch {
     Search::Scratch by_short, by_long, by_opposite;
     std::vector<kernel::Candidate> near_short, near_long, near_opposite;
     RankSet near;
-    std::vector<Samples::Place> cells;  // the first sample of each
-    std::vector<unsigned char> seen;    // cells of one row of cells
-    double shallow = 0.0, deep = 0.0;   // the depths that `cells` covers
+    std::vector<Cell> cells;
+    std::vector<std::uint32_t> last_of_column;  // of `cells`
+    double shallow = 0.0, deep = 0.0;           // the depths that `cells` covers
     std::vector<Far> far;
     std::vector<kernel::Candidate> members;  // the samples of one neighbour after the other
     std::vector<std::uint32_t> starts;       // of each neighbour in `members`; last, the end
@@ -142,24 +154,20 @@ NearFar::Scratch& NearFar::scratch_of(Search::Scratch& scratch) const {
 
 // Lists the cells from the row of cells that holds the depth `low` to the one that holds `high`.
 void NearFar::gather_cells(const Samples& samples, double low, double high, Scratch& scratch) const {
-    scratch.cells.clear();
+    std::vector<Cell>& cells = scratch.cells;
+    cells.clear();
+    scratch.last_of_column.resize(static_cast<std::size_t>(cells_.around));
     const double first = cells_.row(low), last = cells_.row(high);
-    double row = first - 1.0;
-    for (std::size_t i = samples.step_to(first * cells_.height - cells_.height, {}, 1).chunk;
-         i < samples.chunks().size(); ++i) {
-        const Chunk& chunk = *samples.chunks()[i];
-        if (cells_.row(chunk.first_depth()) > last) break;
-        for (const std::uint16_t at : chunk.rows_of(cells_).first) {
-            const double in_row = cells_.row(chunk.depth()[at]);
-            if (in_row < first) continue;
-            if (in_row > last) break;
-            if (in_row != row) scratch.seen.assign(static_cast<std::size_t>(cells_.around), 0);
-            row = in_row;
-            unsigned char& seen =
-                scratch.seen[static_cast<std::size_t>(cells_.column(chunk.depth()[at], chunk.toolface()[at]))];
-            if (seen) continue;
-            seen = 1;
-            scratch.cells.push_back({i, at});
+    const auto& chunks = samples.chunks();
+    const auto from = std::ranges::partition_point(
+        chunks, [&](const auto& chunk) { return cells_.row(chunk->last_depth()) < first; });
+    for (auto chunk = from; chunk != chunks.end() && cells_.row((*chunk)->first_depth()) <= last; ++chunk) {
+        const std::vector<CellStart>& starts = (*chunk)->rows_of(cells_).starts;
+        for (auto start = starts_from(starts, first); start != starts.end() && start->row <= last; ++start) {
+            std::uint32_t& at = scratch.last_of_column[start->column];  // may be of an earlier call
+            if (at < cells.size() && cells[at].column == start->column && cells[at].row == start->row) continue;
+            at = static_cast<std::uint32_t>(cells.size());
+            cells.push_back({*start, static_cast<std::size_t>(chunk - chunks.begin())});
         }
     }
     scratch.shallow = first * cells_.height;
@@ -170,32 +178,29 @@ void NearFar::gather_cells(const Samples& samples, double low, double high, Scra
 // it returns false.
 template <class Use>
 void NearFar::each_member(const Samples& samples, const Scratch& scratch, Samples::Place at, Use use) const {
-    const auto row_at = [&](Samples::Place p) { return cells_.row(samples.chunks()[p.chunk]->depth()[p.offset]); };
-    const auto column_at = [&](Samples::Place p) {
-        const Chunk& chunk = *samples.chunks()[p.chunk];
-        return cells_.column(chunk.depth()[p.offset], chunk.toolface()[p.offset]);
-    };
     const Samples::Place start = at;
     for (;;) {
         const Chunk& chunk = *samples.chunks()[at.chunk];
         const Index rank = samples.rank({at.chunk, 0});
-        const std::vector<std::uint16_t>& next = chunk.rows_of(cells_).next;
+        const RowsOfCells& rows = chunk.rows_of(cells_);
         do {
             const auto i = static_cast<std::size_t>(at.offset);
             if (!scratch.near.contains(rank + at.offset) &&
                 !use(at, kernel::Candidate{chunk.depth()[i], chunk.toolface()[i], chunk.radius()[i], rank + at.offset}))
                 return;
-            at.offset = next[i];
+            at.offset = rows.next[i];
         } while (at.offset != 0);
-        const double row = row_at(start);
-        const Index column = column_at(start);
+        const Chunk& of = *samples.chunks()[start.chunk];
+        const double depth = of.depth()[start.offset], row = cells_.row(depth);
+        const Index column = cells_.column(depth, of.toolface()[start.offset]);
         do {  // few cells lie in more than one chunk
-            if (++at.chunk == samples.chunks().size() || row_at({at.chunk, 0}) > row) return;
-            const std::vector<std::uint16_t>& firsts = samples.chunks()[at.chunk]->rows_of(cells_).first;
-            const auto same = std::ranges::find_if(firsts, [&](std::uint16_t first) {
-                return row_at({at.chunk, first}) == row && column_at({at.chunk, first}) == column;
+            if (++at.chunk == samples.chunks().size()) return;
+            const std::vector<CellStart>& starts = samples.chunks()[at.chunk]->rows_of(cells_).starts;
+            if (starts.front().row > row) return;
+            const auto same = std::find_if(starts_from(starts, row), starts.end(), [&](const CellStart& other) {
+                return other.row > row || other.column == column;
             });
-            at.offset = same == firsts.end() ? -1 : *same;
+            at.offset = same == starts.end() || same->row > row ? -1 : same->offset;
         } while (at.offset < 0);
     }
 }
@@ -217,14 +222,14 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
         const auto judge = [&](Samples::Place at, const kernel::Candidate& c) {
             const double along = std::max(std::abs(c.depth - g.middle) - half_height, 0.0);
             const double turned = c.toolface - g.center - rule_.turn * (c.depth - g.middle);
-            const double turn = std::abs(std::remainder(turned, 360.0));
+            const double turn = std::abs(turned - 360.0 * nearest_whole(turned * (1.0 / 360.0)));
             double across = degree * std::max(turn - half_width, 0.0);
             if (across * across + along * along > max_square_) return false;
             if (rule_.half_turns) across = degree * std::max(std::min(turn, 180.0 - turn) - half_width, 0.0);
             found.push_back({stretch_ * across * (stretch_ * across) + along * along, at});
             return false;
         };
-        for (const Samples::Place first : scratch.cells) each_member(samples, scratch, first, judge);
+        for (const Cell& cell : scratch.cells) each_member(samples, scratch, {cell.chunk, cell.offset}, judge);
         double farthest = max_distance_;
         if (found.size() >= wanted) {
             std::nth_element(found.begin(), found.begin() + wanted_ - 1, found.end(), nearer);

@@ -65,63 +65,98 @@ inline P square_of_chord(int t, P square) {
     return half_turns && t == 1 ? P::max(square - square * square, P(0.0)) : square;  // rounding: below 0
 }
 
+// The distances of eight pairs, in each term: what the square roots above give.
+template <class P, int terms>
+struct Distances {
+    P of_term[static_cast<std::size_t>(terms)];
+};
+
 template <class P, int terms, bool half_turns>
-inline P covariance_of(P sine, P along, const CovarianceRule& rule) {
+inline Distances<P, terms> distances(P sine, P along, const CovarianceRule& rule) {
     const P around_square = sine * sine, along_square = along * along;
-    P sum(0.0);
+    Distances<P, terms> found;
 #pragma GCC unroll 3
     for (int t = 0; t < terms; ++t) {
         const P chord_square = square_of_chord<P, half_turns>(t, around_square);
-        const P a = P::sqrt(chord_square * P(rule.around[t]) + along_square * P(rule.along[t]));
+        found.of_term[t] = P::sqrt(chord_square * P(rule.around[t]) + along_square * P(rule.along[t]));
+    }
+    return found;
+}
+
+template <class P, int terms>
+inline P covariance_at(const Distances<P, terms>& at, const CovarianceRule& rule) {
+    P sum(0.0);
+#pragma GCC unroll 3
+    for (int t = 0; t < terms; ++t) {
+        const P a = at.of_term[t];
         sum = sum + P(rule.variance[t]) * ((P(1.0) + a) * decay(a));
     }
     return sum;
 }
 
-// Fills the matrix of the n neighbours without what lies left of the diagonal pack; then the covariances with the
-// vertices; then 1 and the radius less R. Rows and columns from n to `size` are those of the unit matrix and 0.
+// The columns of the equations: the matrix, the covariances with the vertices from `size` on, and 1 and the radius less
+// R at `last`: behind the matrix in its last pack, if that has room.
+struct SharedColumns {
+    int size, last, count;
+    explicit SharedColumns(int n)
+        : size((n + lanes - 1) / lanes * lanes),
+          last(n + 2 <= size ? n : size + lanes),
+          count(last < size ? size + lanes : size + 2 * lanes) {}
+};
+
+// Fills the rows of the n neighbours, without what lies left of the diagonal pack. Rows and columns from n to `size`
+// are those of the unit matrix and 0. A square root takes long, so the covariances of a pack are computed from it while
+// the root for the next pack is taken.
 template <class P, int terms, bool half_turns>
-__attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeighbor* rows, int n, int size,
-                                                const CovarianceRule& rule, SharedRoom& room) {
-    double sine[max_shared], cosine[max_shared], along[max_shared];
+__attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeighbor* rows, int n,
+                                                const SharedColumns& columns, const CovarianceRule& rule,
+                                                SharedRoom& room) {
+    const int size = columns.size;
+    double sine[max_shared + lanes], cosine[max_shared + lanes], along[max_shared + lanes];
     const P center(g.center), middle(g.middle);
-    const auto place = [&](P depth, P toolface, P& s, P& c, P& z) {
-        z = depth - middle;
+    const auto place = [&](P depth, P toolface, int at) {
+        const P z = depth - middle;
         const P turn = toolface - center - P(rule.turn) * z, round(0x1.8p52);
         const P whole = (turn * P(1.0 / 360.0) + round) - round;
+        P s, c;
         sine_cosine((turn - P(360.0) * whole) * P(0.5 * metres_a_degree), s, c);
+        s.store(sine + at);
+        c.store(cosine + at);
+        z.store(along + at);
     };
     for (int i = 0; i < size; i += lanes) {
-        P depth, toolface, radius, s, c, z;
+        P depth, toolface, radius;
         P::read([&](int lane) -> const SharedNeighbor& { return rows[i + lane < n ? i + lane : n - 1]; }, depth,
                 toolface, radius);
-        place(depth, toolface, s, c, z);
-        s.store(sine + i);
-        c.store(cosine + i);
-        z.store(along + i);
+        place(depth, toolface, i);
     }
-    P at_sine, at_cosine, at_along;
-    place(P::load(g.depth), P::load(g.toolface), at_sine, at_cosine, at_along);
+    place(P::load(g.depth), P::load(g.toolface), size);
     double total = 0.0;
     for (int t = 0; t < terms; ++t) total += rule.variance[t];
+    double nothing[lanes], *to = nothing;
+    Distances<P, terms> before{};
     for (int i = 0; i < size; ++i) {
         double* row = room.row[i];
-        std::fill_n(row + n, size + 2 * lanes - n, 0.0);
         if (i >= n) {
+            std::fill_n(row + n, columns.count - n, 0.0);
             row[i] = 1.0;
             continue;
         }
         const P s(sine[i]), c(cosine[i]), z(along[i]);
-        for (int j = i / lanes * lanes; j < n; j += lanes) {
+        for (int j = i / lanes * lanes; j <= size; j += lanes) {
             const P between = s * P::load(cosine + j) - c * P::load(sine + j);
-            covariance_of<P, terms, half_turns>(between, z - P::load(along + j), rule).store(row + j);
+            const auto found = distances<P, terms, half_turns>(between, z - P::load(along + j), rule);
+            covariance_at(before, rule).store(to);
+            before = found;
+            to = row + j;
         }
         std::fill_n(row + n, size - n, 0.0);
+        if (columns.last > size) P(0.0).store(row + size + lanes);
         row[i] = total + rule.noise / rows[i].count;
-        covariance_of<P, terms, half_turns>(s * at_cosine - c * at_sine, z - at_along, rule).store(row + size);
-        row[size + lanes] = 1.0;
-        row[size + lanes + 1] = rows[i].radius - rule.radius;
+        row[columns.last] = 1.0;
+        row[columns.last + 1] = rows[i].radius - rule.radius;
     }
+    covariance_at(before, rule).store(to);
 }
 
 // Eliminates eight rows at a time: of each pack of columns, first what the rows above take from it, then what the eight
@@ -172,24 +207,24 @@ __attribute__((noinline)) void eliminate(int size, int columns, double least_piv
 
 template <class P>
 void krige_shared(Group& g, const SharedNeighbor* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
-    const int size = (n + lanes - 1) / lanes * lanes;
+    const SharedColumns columns(n);
     const auto fill = rule.half_turns   ? rule.terms == 2 ? fill_covariances<P, 2, true> : fill_covariances<P, 3, true>
                       : rule.terms == 2 ? fill_covariances<P, 2, false>
                                         : fill_covariances<P, 3, false>;
-    fill(g, rows, n, size, rule, room);
+    fill(g, rows, n, columns, rule, room);
     double inverse[max_shared];
-    eliminate<P>(size, size + 2 * lanes, rule.noise / most_averaged, room.row[0], max_shared + 2 * lanes, room.factors,
-                 inverse);
+    eliminate<P>(columns.size, columns.count, rule.noise / most_averaged, room.row[0], max_shared + 2 * lanes,
+                 room.factors, inverse);
 
     const P depth = P::load(g.depth), toolface = P::load(g.toolface), degree(rule.radius * metres_a_degree);
     double ones = 0.0, mean = 0.0, low = missing_square, high = -missing_square;
     P toward(0.0), radius(0.0), explained(0.0), least(missing_square);
     for (int k = 0; k < n; ++k) {
-        const double* row = room.row[k] + size;
-        const double one = row[lanes] * inverse[k], value = row[lanes + 1];
-        ones += one * row[lanes];
+        const double *row = room.row[k], *last = row + columns.last;
+        const double one = last[0] * inverse[k], value = last[1];
+        ones += one * last[0];
         mean += one * value;
-        const P covariance = P::load(row), part = covariance * P(inverse[k]);
+        const P covariance = P::load(row + columns.size), part = covariance * P(inverse[k]);
         toward = toward + P(one) * covariance;
         radius = radius + part * P(value);
         explained = explained + part * covariance;
