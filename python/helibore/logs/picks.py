@@ -158,7 +158,7 @@ class Pick:
         return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
 
     def axis(self, path: Path | None) -> float:
-        """Return the azimuth of the axis of a breakout, degrees in [0, 180); NaN for a plane and as `Path.azimuth`."""
+        """Return the azimuth of a breakout's axis on a path, degrees in [0, 180); else NaN (`Path.azimuth`)."""
         return math.nan if path is None or self.kind != BREAKOUT else path.azimuth(self.depth, self.toolface) % 180
 
 

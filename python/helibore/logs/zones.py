@@ -197,7 +197,7 @@ class Classification(Tabular):
         return axes if turned else replace(axes, deviation=math.nan)  # it would say nothing about the lobes
 
     def azimuths(self) -> Floats:
-        """Return the azimuth of the axis of each breakout at its middle, [0, 180) degrees; else NaN."""
+        """Return azimuths of the axes of breakouts at their middles, (n,) of all zones, [0, 180) degrees; else NaN."""
         path = self.logs.path
         return np.array([
             path.azimuth((of.start + of.stop) / 2, of.toolface) % 180 if path and of.kind == "breakout" else math.nan

@@ -277,7 +277,7 @@ class Path:
         return _shaped(self._core.frame(_depths(depth)), depth)
 
     def azimuth(self, depth: float, toolface: float) -> float:
-        """Return the azimuth of the direction at a toolface: of its level part, degrees in [0, 360).
+        """Return the azimuth of the direction at a depth and a toolface: of its level part, degrees in [0, 360).
 
         NaN beyond the ends of the path, where toolface 0 is undefined (`frame`), and where the direction is less than a
         degree from the vertical.

@@ -264,7 +264,8 @@ export class Scene {
     }
     if (wells.shown.box) this.letterBox(ink, rect, palette);
     compass(ink, gpu, rect, palette);
-    label(ink, [`tube × ${wells.tube}`, wells.note ? 'places not stated' : ''].filter(Boolean).join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
+    const flatter = wells.tube > 1 && wells.shown.planes && drawn.some(({ planes }) => planes.length) ? ': traces on it look flatter; discs have their true dip, as wide as the tube' : '';
+    label(ink, [`tube × ${wells.tube}${flatter}`, wells.note ? 'places not stated' : ''].filter(Boolean).join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
   }
 
   // Write true depths at an upright edge of the box, and east and north along the floor.
