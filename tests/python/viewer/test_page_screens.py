@@ -247,10 +247,13 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         screen.evaluate("window.__wall.app.notice('')")
         screen.evaluate(FINGER, [["pointerdown", 210.0, made["depth"]], ["pointerup", 210.0, made["depth"]]])
         screen.until("window.__wall.app.picking.pick")
-        assert made["toolface"] == pytest.approx(300, abs=0.5)
-        assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
+        rise, angles = np.array([1019.0, 1020.0, 1020.9]), np.radians([120.0, 210.0, 290.0])
+        across = np.column_stack([np.ones(3), np.cos(angles), np.sin(angles)])
+        middle, *slopes = np.linalg.solve(across, rise)  # the sine through the three points
+        assert made["toolface"] == pytest.approx(np.degrees(np.arctan2(slopes[1], slopes[0])) % 360, abs=2)
+        assert made["depth"] == pytest.approx(middle, abs=0.02)
         text = "document.getElementById('dipText').textContent"
-        screen.until(f"{text}.includes('drawn by hand, not fitted: a row (')")  # of the next frame
+        screen.until(f"{text}.includes('3 points, no misfit')")  # of the next frame
         said.append(screen.inner_text("#dipText"))
         if size[0] < 600:
             numbers = [field.bounding_box() for field in screen.locator("#pickFields input").all()]

@@ -1,5 +1,5 @@
-// Picking on the image. A plane: drag from the crest or the trough of a bed or fracture along it; or click three points or
-// more and press Enter, which fits the plane through them. A breakout: drag a box. A new pick is not selected; a click selects
+// Picking on the image. A plane: drag along a bed or fracture, or click three points or more and press Enter; the plane is fitted
+// to them. A breakout: drag a box. A new pick is not selected; a click selects
 // a pick. A digit sets the class of the selected pick or, if none is selected, of the next one. A drag on the selected pick moves
 // it; at the crest or trough of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
 // A change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
@@ -15,7 +15,8 @@ export const BREAKOUT = 'breakout';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
 const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
-const LEAST = { opening: 5, height: 0.02, turn: 45 }; // of a box that is dragged; degrees that a sine is dragged along
+const LEAST = { opening: 5, height: 0.02, turn: 90 }; // of a box that is dragged; degrees that a trace is dragged along
+const TRACE = 3; // degrees between two points of a trace
 const PATIENCE = { answer: 15_000, again: 5000 }; // milliseconds: for an answer of the server, before a change is sent again
 const AROUND = Array.from({ length: 12 }, (_, i) => 30 * i);
 const BESIDE = 0.25; // metres along the hole, above and below a place: grooves are narrower
@@ -38,6 +39,12 @@ const isDepth = (name) => name === 'depth' || name === 'height';
 const unitOfField = (name, units) => (isDepth(name) ? LENGTHS[units].depth.scale : 1);
 /** @param {number} degrees */
 const turned = (degrees) => ((degrees % 360) + 360) % 360;
+// Return over how many degrees points reach: all around, less the widest gap.
+/** @param {WallPoint[]} points */
+function spanOf(points) {
+  const angles = points.map(({ toolface }) => turned(toolface)).sort((a, b) => a - b);
+  return 360 - Math.max(...angles.map((angle, i) => (i ? angle - angles[i - 1] : 360 + angle - angles[angles.length - 1])));
+}
 /** @param {number} a @param {number} b */
 const apart = (a, b) => Math.abs(turned(a - b + 180) - 180);
 
@@ -240,7 +247,7 @@ export class Picking {
   grab(from, reach, handle = 0) {
     if (this.points.length) return null;
     const pick = this.near(from, reach);
-    if (!pick || pick.key !== this.selected) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
+    if (!pick || pick.key !== this.selected) return this.kind === BREAKOUT ? { act: 'box', from } : { act: 'sine', from, trace: new Map([[NaN, this.point(from)]]) };
     const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < Math.max(HANDLE, handle));
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
@@ -249,7 +256,7 @@ export class Picking {
   /** @param {Drag} drag @param {Aim} aim */
   drag(drag, { depth, toolface }) {
     const { from } = drag;
-    if (drag.act === 'sine') return this.drawSine(from, { depth, toolface });
+    if (drag.act === 'sine') return this.drawSine(drag.trace, { ...from, depth, toolface });
     if (drag.act === 'box') {
       const opening = apart(toolface, from.toolface);
       const middle = turned(from.toolface + (turned(toolface - from.toolface + 180) - 180) / 2);
@@ -267,17 +274,14 @@ export class Picking {
     return this.replace(this.dragged);
   }
 
-  // Draw the sine whose crest or trough is where the drag began, through the point that the drag has reached.
-  /** @param {Aim} from @param {Aim} to */
-  drawSine(from, to) {
-    const turn = apart(to.toolface, from.toolface);
-    if (turn < LEAST.turn) return this.cancel();
-    const ends = [from, to].map((aim) => this.point(aim));
-    const radius = (ends[0].radius + ends[1].radius) / 2;
-    const height = (to.depth - from.depth) / (1 - Math.cos((turn * Math.PI) / 180)); // half the height of the sine
-    const plane = fitPlane(this.app.path, [0, 120, 240].map((on) => ({ depth: from.depth + (on ? 1.5 * height : 0), toolface: from.toolface + on, radius })));
-    if (!plane) return undefined;
-    this.dragged = { ...this.made(plane, ends), ...BY_HAND, key: this.dragged?.key ?? newKey() };
+  // Fit the plane to the trace of a drag: one point every TRACE degrees, the last one drawn there.
+  /** @param {Map<number, WallPoint>} trace @param {Aim} to */
+  drawSine(trace, to) {
+    trace.set(Math.round(to.toolface / TRACE) % (360 / TRACE), this.point(to));
+    const points = [...trace.values()];
+    const plane = spanOf(points) < LEAST.turn ? null : fitPlane(this.app.path, points);
+    if (!plane) return this.cancel();
+    this.dragged = { ...this.made(plane, points), key: this.dragged?.key ?? newKey() };
     this.selected = this.dragged.key;
     return this.replace(this.dragged);
   }
@@ -550,7 +554,7 @@ export class Picking {
     const lines = [];
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class. A new pick begins off it.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
-    else if (!current) lines.push([`Next ${this.kind} (1 to 6): drag from a crest or trough along it, or mark three points around the hole.`, 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    else if (!current) lines.push([`Next ${this.kind} (1 to 6): drag along it, over a quarter turn or more, or mark three points around the hole.`, 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     else if (!open) lines.push('Enter keeps it; another point improves the fit.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);

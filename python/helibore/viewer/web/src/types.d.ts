@@ -99,7 +99,7 @@ interface Plane {
   kind: PlaneKind; pick?: PlanePick; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
 }
 interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }
-type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
+type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim; trace: Map<number, WallPoint> } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
 
 // Curves along the hole.
 interface CurveOffer { name: string; unit: string; low: number; high: number; log: boolean; version: number }

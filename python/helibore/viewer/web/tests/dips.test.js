@@ -211,6 +211,14 @@ function picking(more = {}) {
   return { made: new Picking(app), sent };
 }
 
+// Draw a plane of 45 degrees of apparent dip along its trace, between two toolfaces; `off` moves a point off the trace.
+function trace(made, depth, deepest, [from, to] = [deepest - 180, deepest], { image, off = () => 0 } = {}) {
+  const at = (toolface) => ({ depth: depth + 0.1 * Math.cos((toolface - deepest) * RAD) + off(toolface), toolface: (toolface + 720) % 360, image });
+  const drag = made.grab(at(from), 0.02);
+  for (let i = 1; i <= 12; i++) made.drag(drag, at(from + ((to - from) * i) / 12));
+  made.drop();
+}
+
 test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
   const { made } = picking();
   made.receive([{ key: 'a', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45, radius: 0.1 }]);
@@ -232,11 +240,9 @@ test('a pick names the image that it was drawn on, has no radius in a gauge hole
   const { made, sent } = picking();
   const store = { ...made.app.store, basis: 'gauge', attributes: [{ name: 'GR' }, { name: 'RHOB' }], attributeAt: (i, { depth }) => (i === 1 || depth < 1020 ? 7 : NaN) };
   Object.assign(made.app, { store });
-  made.drag(made.grab({ depth: 1010, toolface: 30, image: 'GR' }, 0.02), { depth: 1010.1, toolface: 120, image: 'RHOB' });
-  made.drop();
+  trace(made, 1010.1, 210, undefined, { image: 'GR' });
   assert.deepEqual([made.kept[0].image, made.kept[0].radius, sent.splice(0)], ['GR', null, ['bed at 1010.10 m: true dip 62.9° toward 203°   (apparent 45.0°). Ctrl Z takes it back.']]);
-  made.drag(made.grab({ depth: 1025, toolface: 30, image: 'GR' }, 0.02), { depth: 1025.1, toolface: 120 });
-  made.drop();
+  trace(made, 1025.1, 210, undefined, { image: 'GR' });
   assert.deepEqual(sent, ['GR: nothing was measured where this was picked, 1025.10 m']);
 });
 
@@ -250,24 +256,37 @@ test('a mouse and a finger move the selected pick and no other: on another, they
   assert.equal(made.grab(on, 0.5, 0, true).act, 'dip');
 });
 
-test('a sine is dragged from its crest; a digit then classes the next one, and only a selected pick again', () => {
+test('a plane is fitted to the trace of a drag, wherever on it the drag begins, and keeps its misfit', () => {
+  for (const [from, to] of [[30, 210], [120, 300], [75, 175], [350, 200], [0, 355]]) {
+    const { made } = picking();
+    trace(made, 1010.1, 210, [from, to]);
+    const [{ depth, toolface, apparent_dip: dip, misfit, points }] = made.kept;
+    near(depth, 1010.1, 1e-6);
+    near(toolface, 210, 1e-3);
+    near(dip, 45, 1e-3);
+    near(misfit, 0, 1e-6);
+    assert.equal(points, 13);
+  }
   const { made } = picking();
-  const drag = made.grab({ depth: 1010, toolface: 30 }, 0.02);
-  made.drag(drag, { depth: 1010.01, toolface: 50 });
-  assert.equal(made.kept.length, 0, 'too short to say a plane');
-  made.drag(drag, { depth: 1010.1, toolface: 120 });
+  trace(made, 1010.1, 210, [30, 100]);
+  assert.equal(made.kept.length, 0, 'less than a quarter turn says no plane');
+  trace(made, 1010.1, 210, [30, 390], { off: (toolface) => 0.003 * Math.cos(5 * toolface * RAD) });
+  near(made.kept[0].misfit, 0.003 / Math.SQRT2, 3e-4);
+  const again = made.grab({ depth: 1020, toolface: 0 }, 0.02);
+  for (const shift of [0.05, 0]) for (let turn = 3; turn <= 180; turn += 3) made.drag(again, { depth: 1020.1 - 0.1 * Math.cos(turn * RAD) + shift, toolface: turn });
   made.drop();
+  near(made.kept[1].misfit, 0, 1e-6, 'what is drawn again counts once');
+});
+
+test('a digit classes the next pick, and only a selected pick again', () => {
+  const { made } = picking();
+  trace(made, 1010.1, 210);
   const [first] = made.kept;
-  near(first.depth, 1010.1, 1e-9);
-  near(first.toolface, 210, 1e-6);
-  near(first.apparent_dip, Math.atan(1) / RAD, 1e-6);
+  near(first.depth, 1010.1, 1e-6);
   assert.equal(made.pick, null, 'nothing is selected after a pick');
   made.setClass('fracture');
   assert.deepEqual([first.kind, made.kept[0].kind, made.kind], ['bed', 'bed', 'fracture'], 'only the next one');
-  made.drag(made.grab({ depth: 1014, toolface: 200 }, 0.02), { depth: 1013.8, toolface: 20 });
-  made.drop();
-  near(made.kept[1].toolface, 200, 1e-6);
-  near(made.kept[1].apparent_dip, Math.atan(1) / RAD, 1e-6);
+  trace(made, 1014, 200);
   assert.deepEqual(made.kept.map(({ kind }) => kind), ['bed', 'fracture'], 'the next one, without leaving the mode');
   made.click({ depth: made.kept[0].depth - 0.1, toolface: 30 }, 0.02);
   assert.equal(made.pick.key, first.key);
@@ -284,9 +303,7 @@ test('a sine is dragged from its crest; a digit then classes the next one, and o
 test('redo makes again what undo took back, in order; a new change ends it', () => {
   const { made } = picking();
   const kinds = () => made.kept.map(({ kind }) => kind);
-  const drag = made.grab({ depth: 1010, toolface: 30 }, 0.02);
-  made.drag(drag, { depth: 1010.1, toolface: 120 });
-  made.drop();
+  trace(made, 1010.1, 210);
   const [drawn] = made.kept;
   made.selected = drawn.key;
   made.setClass('fault');
@@ -485,8 +502,7 @@ test('a pick stays in the wall, whether it is dragged, drawn or typed', () => {
   assert.equal(sent[0], 'bed at 1030.00 m: moved by 20.00 m. Ctrl Z takes it back.');
   assert.deepEqual([made.pick.depth, sent.slice(1)], [1030, ['9999.00 m is outside the wall, 1000.0–1030.0 m']]);
   made.selected = null;
-  made.drag(made.grab({ depth: 1029.9, toolface: 30 }, 0.001), { depth: 1030.4, toolface: 120 });
-  made.drop();
+  trace(made, 1030.4, 210);
   assert.deepEqual([made.kept.length, made.pick, sent.at(-1)], [2, null, '1030.40 m is outside the wall, 1000.0–1030.0 m']);
   made.selected = 'out';
   made.setClass('fault');
