@@ -266,7 +266,8 @@ def _diameters(content: Content) -> str:
         ends = (in_depth_unit(row.start, content), in_depth_unit(row.stop, content))
         rows.append([*ends, " to ".join(of_row) if has else "", *(in_unit(size, content) for size in lengths), *rest])
     note = (
-        "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
+        "Mean: diameter of the cylinder with the same volume. Least and greatest (C1): diameters "
+        "through the hole's axis, of two opposite radii; twice the greatest radius can be more. "
         "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
     low, high = content.zones.logs.diameter_range

@@ -214,7 +214,8 @@ def test_track_section_and_zones_say_the_diameters_of_the_logs(browser: Any, arm
         rounder = np.where(np.abs(logs.depth - 2005) < 2, np.abs(logs.least_diameter - of_wall), 0)
         row = int(np.nanargmax(rounder))
         assert (rounder[row] > 1e-3) == (arms == 4)
-        screen.evaluate(f"window.__wall.app.view.point({{ depth: {logs.depth[row]}, toolface: null }}, true)")
+        beside = logs.depth[row] + 0.4 * wall.settings.pitch  # in the same turn
+        screen.evaluate(f"window.__wall.app.view.point({{ depth: {beside}, toolface: null }}, true)")
         screen.settle()
         said = screen.evaluate("[...document.querySelectorAll('#turn > *')].map((e) => e.textContent)")
         sizes = [float(text.split()[0]) for text in said[1:6:2]]

@@ -12,6 +12,7 @@ import { edges, line, sharp } from './strokes.js';
 
 const BAR_END = 440; // pixels from the left of the hole to the end of the colours below it
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
+const BELOW = 18; // points of a curve, 3 pixels apart, above which its angles stand
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
@@ -44,8 +45,10 @@ export function drawDips(ink, look, planes, straight) {
     if (straight) columnCurve(ink, look, plane, stroke);
   }
   for (const { plane, colour } of view.rig ? [] : lines) {
-    const [x, y] = [image.left + image.width - 4, yOf(view, image, plane.curve?.depths.at(-1) ?? NaN)];
-    if (inside(image, x, y)) label(ink, anglesOf(plane, path), x, y, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, -9], [0, 11]], yields: true });
+    const right = plane.curve?.depths.slice(-BELOW) ?? [];
+    const [upper, lower] = [Math.min, Math.max].map((end) => yOf(view, image, end(...right)));
+    const x = image.left + image.width - 4;
+    if (inside(image, x, upper - 14)) label(ink, anglesOf(plane, path), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);

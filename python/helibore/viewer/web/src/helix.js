@@ -59,10 +59,10 @@ export class Helix {
     return this.rings ? this.quadAt(depth, toolface) : turn * this.sectors + across;
   }
 
-  // Return the first vertex of the turn that is centred on a depth.
+  // Return the first vertex of the turn around a depth: one of the turns that logs, zones and report count, so that all have its numbers.
   /** @param {number} depth */
   turnAt(depth) {
-    return Math.round(((depth - this.startDepth) / this.pitch - 0.5) * this.sectors);
+    return Math.floor((depth - this.startDepth) / this.pitch) * this.sectors;
   }
 
   // Return the depths between which `size` vertices lie, shallow end first.

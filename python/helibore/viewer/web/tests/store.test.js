@@ -237,3 +237,13 @@ test('no colour map holds the grey of missing values', () => {
     }
   }
 });
+
+test('the turn at any depth is one that logs and report count: it holds the depth and begins where a turn begins', () => {
+  for (const pitch of [0.1, -0.1]) {
+    const helix = new Helix({ sectors: 64, pitch, startDepth: 1000, startToolface: 17 });
+    for (const turns of [0.01, 0.4, 0.6, 7.99, 8.01]) {
+      const k = helix.turnAt(1000 + turns * pitch);
+      assert.deepEqual([k % 64, k / 64], [0, Math.floor(turns)]);
+    }
+  }
+});
