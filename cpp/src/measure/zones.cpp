@@ -31,6 +31,7 @@ constexpr double opposite = 140.0;     // least degrees between opposite lobes
 constexpr double widest_key_seat = 150.0;                // degrees
 constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
 constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
+constexpr double nearly = 0.5;       // of a limit: two runs of a kind are one if no turn between has less
 constexpr double long_share = 0.65;  // of a lobe's height, as a mean over the least length of a zone
 constexpr double rounding = 1e-9;    // metres
 
@@ -202,7 +203,7 @@ class Finder {
             for (std::size_t first = 0, stop = 0; first < count_; first = std::max(stop, first + 1)) {
                 for (stop = first; stop < count_ && fits(stop);) ++stop;
                 if (stop == first) continue;
-                if (!joined.empty() && is_gap(joined.back().stop, first, is_free)) {
+                if (!joined.empty() && is_gap(kind, joined.back().stop, first, is_free)) {
                     joined.back().stop = stop;
                 } else {
                     joined.push_back({kind, first, stop, {}});
@@ -220,11 +221,12 @@ class Finder {
         return out;
     }
 
-    // Whether two runs of a kind are one: they are near each other, and all turns between are free.
-    bool is_gap(std::size_t first, std::size_t stop, const std::vector<std::uint8_t>& is_free) const {
-        if (static_cast<double>(stop - first) * height_ > criteria_.join + rounding) return false;
+    // Whether two runs of a kind are one: all turns between are free, and they are few or nearly of this kind.
+    bool is_gap(HoleKind kind, std::size_t first, std::size_t stop, const std::vector<std::uint8_t>& is_free) const {
+        const bool few = static_cast<double>(stop - first) * height_ <= criteria_.join + rounding;
+        const double limit = nearly * limit_of(kind), sign = kind == HoleKind::undergauge ? -1.0 : 1.0;
         for (std::size_t turn = first; turn < stop; ++turn)
-            if (is_free[turn] == 0) return false;
+            if (is_free[turn] == 0 || !(few || sign * measure_of(kind, turn) >= sign * limit)) return false;
         return true;
     }
 
