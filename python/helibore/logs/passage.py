@@ -35,6 +35,8 @@ MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
 """Lengths of the drift mandrels of API 5CT, metres: casing up to 8 5/8 in, casing from 9 5/8 in, tubing."""
 OPEN = 1.0
 """Metres: radius of hole that counts as wide open."""
+TOUCHED = 0.03
+"""Metres from a sample; a radius so near to one bounds what passes, also in a gap between the arms of a tool."""
 BESIDE = 2
 """Vertices above, below and on both sides of a radius; it is thought no narrower than they are."""
 QUIET = 2.0
@@ -297,6 +299,9 @@ def hanging_at(
     inward = None if sigma is None else _inward(radius[own], sigma[own], K)
     row = round((lower_end - middle - helix.start_depth) / helix.pitch - helix.first / K - 0.5) - first
     for at_most in (False, True):
+        if at_most:
+            known = _touched(wall, known)
+            inward = None if inward is None else _filled(inward)
         radii = part(np.where(known, radius, OPEN) if at_most else radius, OPEN)
         counts = np.empty(0) if at_most else part(known.astype(np.float64), 1.0)
         counted = known | (not at_most)  # hole that counts as open has no error
@@ -308,6 +313,18 @@ def hanging_at(
             depth = float(found["contact_depth"][row, 0])
             return Hanging(clearance, low, high, depth, body, at_most) if clearance < OPEN else None
     return None
+
+
+def _touched(wall: WallLike, sampled: Mask) -> Mask:
+    """Return which radii bound what passes: those that are sampled, and those at a sample."""
+    near = getattr(wall, "nearest", None)
+    return sampled if near is None else sampled | (np.asarray(near) <= TOUCHED)
+
+
+def _filled(errors: Floats) -> Floats:
+    """Return uncertainties of radii; those not known are as large as the others are in the middle."""
+    known = errors[np.isfinite(errors)]
+    return np.where(np.isnan(errors), np.median(known), errors) if known.size else errors
 
 
 def without_noise(radius: Floats, sigma: Floats, sectors: int) -> Floats:
@@ -365,6 +382,7 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, u
     sampled: Mask | None = getattr(wall, "sampled", getattr(wall, "measured", None))
     errors = np.empty(0) if sigma is None else _inward(radius, column("sigma", sigma, radius.size, "radius"), K)
     if upper_limit and sampled is not None:
+        sampled, errors = _touched(wall, sampled), _filled(errors)
         errors = np.where(sampled, errors, 0.0) if errors.size else errors  # hole that counts as open has none
         radius, sampled = np.where(sampled, radius, OPEN), None
     counts = np.empty(0) if sampled is None else sampled.astype(np.float64)

@@ -315,3 +315,38 @@ def test_what_passes_at_most_has_the_uncertainty_of_the_radii_that_hold_it(seed)
     whole = hanging_at(wall, [body], 103.0, sampled | True, SURER * sigma)
     assert whole is not None
     assert not whole.at_most
+
+
+def test_a_hanging_body_clears_what_it_does_in_the_passage_of_the_whole_wall():
+    """Each turn is solved alone: the one where the body hangs, and no other."""
+    draw = np.random.default_rng(5)
+    wall, sigma = hole(D / 2, 60), np.full(60 * 64, 3e-4)
+    wall.radius = wall.radius + draw.normal(0, 3e-4, wall.radius.size)
+    for length in (0.3, 1.2, 3.0):
+        body = RigidBody(0.2127, length)
+        found = passage_of(wall, [body], sigma)
+        row = 30
+        hung = hanging_at(wall, [body], float(found.depth[row]) + length / 2, None, sigma)
+        assert hung is not None
+        assert hung.clearance == found.clearance[row]
+        assert hung.depth == found.contact_depth[row, 0]
+
+
+def test_four_arms_that_do_not_turn_bound_what_passes() -> None:
+    """The gaps of 90 degrees are not sampled; the four places that the arms touch hold a body in a ring."""
+    depth = np.repeat(np.arange(100.0, 110.0, 0.05), 4)
+    radius = np.where(abs(depth - 105.0) < 0.75, 0.1025, 0.1085)
+    arms = hb.Caliper(depth, np.tile([20.0, 110.0, 200.0, 290.0], depth.size // 4), radius)
+    wall = hb.reconstruct(arms, bit_diameter=D, start_depth=100.0)
+    body = RigidBody(0.2127, 1.0)
+    assert not wall.sampled.any()
+    assert not passage_of(wall, [body]).known.any()
+    bound = passage_of(wall, [body], upper_limit=True)
+    assert body.diameter + np.nanmin(bound.clearance) == pytest.approx(0.205, abs=5e-4)
+    ring = hanging_at(wall, [body], 105.3, wall.sampled)
+    beside = hanging_at(wall, [body], 103.0, wall.sampled)
+    assert ring is not None
+    assert beside is not None
+    assert ring.at_most
+    assert ring.clearance == pytest.approx(0.205 - 0.2127, abs=5e-4)
+    assert beside.clearance == pytest.approx(0.217 - 0.2127, abs=5e-4)
