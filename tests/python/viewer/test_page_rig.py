@@ -91,14 +91,19 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.getElementById('rigWorst').textContent.includes('mm')")
         far, zone = (of for of in wall.zones().zones if of.kind == "undergauge")
-        span, size = f"{zone.start:.1f}–{zone.stop:.1f} m", f"−{-1000 * zone.measure:.0f} mm"
+        size = f"−{1000 * (0.216 - place[2]):.0f} mm"
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
         assert head == "Worst of 2 going up: tight", "the worst leads, not the nearest"
         assert re.fullmatch(r"−16 mm, \d+ % sure", digits)
         assert more == f"{far.start:.1f}–{far.stop:.1f} m, in 15.8 m"
         next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.stop:.1f} m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == next_one
-        assert screen.inner_text("#alarmText") == f"Tight above {size}, {span}", "two alarms, one place, one text"
+        both = f"Tight −16 mm at {far.start:.0f}, {size} at {zone.start:.0f} m"
+        assert screen.inner_text("#alarmText") == both, "two alarms, one place, one text; the other was found before"
+        named = "window.__wall.app.renderer.look().zones.map(({ name, measure }) => [name, measure])"
+        assert screen.evaluate(named) == [["tight", pytest.approx(-0.016)], ["tight", pytest.approx(-0.008)]], (
+            "the picture says what the digits say"
+        )
         rows = screen.evaluate(ROWS)
         assert [row[0] for row in rows] == ["stabiliser", "collar", "bit"], "as they hang"
         assert [row[3:] for row in rows] == [["none", "1.5 m"], ["none", "none"], ["1.2 m", "none"]]
@@ -114,17 +119,21 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         worse = "tight: at 2003.50 m the diameter is 16.0 mm below the bit diameter"
         scene.update_state(alarms=(*others, worse, *alarms))
         screen.until("document.getElementById('alarmText').textContent.includes('more')")
-        several = f"Tight −16 mm at {far.start:.0f}, {size} at {zone.start:.0f} m, +1 more"
-        assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", several], "none of them is hidden"
+        assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", f"{both}, +1 more"], "all are named"
         scene.update_state(alarms=alarms)
+        screen.keyboard.press("q")
+        screen.keyboard.press("q")
+        screen.settle()
+        assert not screen.is_visible("#alarm"), "silenced are also the places that were found before the page began"
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('−16 mm')")
         scene.update_state(bit_depth=2018.4)
         screen.until("document.querySelector('#rigBodies .new')")
         assert screen.evaluate(ROWS)[2][3] == "now"
-        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: sticks", "now "]
+        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next: sticks", "now "]
         scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
         lacks = "document.querySelector('#rigBodies .lacks').textContent"
-        screen.until(f"{lacks} === 'Hole not measured at collar and bit'")
+        screen.until(f"{lacks} === 'Hole not measured at collar, bit'")
         assert [(row[0], row[4]) for row in screen.evaluate(ROWS)] == [("stabiliser", "1.5 m")], "beside measured hole"
         screen.keyboard.press("a")
         screen.settle()
@@ -172,20 +181,29 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
             "up": {"places": 1, "nearest": near, "worst": near},
             "down": {"places": 1, "nearest": far, "worst": far},
         }
+        way = """[document.getElementById('rigBitHead').textContent,
+          [...document.querySelectorAll('#rigBodies .on')].map((at) => at.textContent)]"""
         scene.update_state(bit_depth=1050.0, ahead=ahead | sides | {"moving": ""})
         screen.until(f"{head} === 'Worst going down: tight'")  # it hangs, and may move either way
+        assert screen.evaluate(way) == ["Bit depth, at rest", ["up: sticks in", "down: sticks in"]]
         assert screen.inner_text("#rigWorst").startswith("−13 mm")
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
         where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m, down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        scene.update_state(received=time.time() - 30)
+        screen.until("document.body.classList.contains('stale')")
+        assert " in " not in screen.inner_text("#rigWorstMore"), "the bit may be elsewhere"
+        scene.update_state(received=time.time())
+        screen.until("!document.body.classList.contains('stale')")
         scene.update_state(bit_depth=1050.0, ahead=ahead | sides)
         screen.until(f"{head} === 'Worst going up: tight'")
+        assert screen.evaluate(way) == ["Bit depth, going up", ["up: sticks in"]]
         assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == ["2.0 m", "bit, the worst place"]
         assert screen.evaluate(CLIPPED) == []
         screen.close()
 
 
-def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_bit(browser: Any) -> None:
+def test_rig_mode_shows_the_bit_where_the_clearances_were_found_unless_it_moved_far(browser: Any) -> None:
     wall = MadeWall(20_000)
     bodies = [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0]]
     hanging = [
@@ -202,12 +220,19 @@ def test_rig_mode_says_what_no_sensor_saw_and_greys_what_was_found_for_another_b
         rows = screen.evaluate(ROWS)
         assert [row[3:] for row in rows] == [["≤1.2 m", "none"], ["– not known 1005–1010", "none"]]
         assert screen.evaluate(OVER) == []
-        assert screen.evaluate("document.querySelectorAll('#rigBodies .old').length") == 0
-        viewer.scene.update_state(bit_depth=1019.5)
-        screen.until("document.querySelectorAll('#rigBodies .name.old').length === 2")
-        assert screen.evaluate("document.querySelectorAll('#rigBodies .size.old').length") == 2, "the ways are of now"
+        depth = "document.getElementById('rigBit').textContent"
+        viewer.scene.update_state(bit_depth=1019.6)
+        screen.settle()
+        assert screen.evaluate(depth) == "1020.0 m", "distances and clearances are those of one bit depth"
+        assert screen.evaluate(ROWS)[0][1:3] == ["±1", "+4 mm"]
+        viewer.scene.update_state(bit_depth=1019.4)
+        screen.until(f"{depth} === '1019.4 m'")
+        assert [row[1:4] for row in screen.evaluate(ROWS)] == [
+            ["looking", "–", "≤0.6 m"],
+            ["looking", "–", "– not known 1005–1010"],
+        ]
         viewer.scene.update_state(string=string | {"bit": 1019.4})
-        screen.until("!document.querySelector('#rigBodies .old')")
+        screen.until("!document.querySelector('#rigBodies').textContent.includes('looking')")
         screen.close()
 
 
@@ -255,7 +280,7 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         screen.until("window.__wall.app.zones.length")
         scene.update_state(zones=(), zones_to=1031.0)
         screen.until(f"{digits} .startsWith('not known')")
-        assert screen.inner_text("#rigWorstMore") == "nobody saw 1015.0–1020.0 m"
+        assert screen.inner_text("#rigWorstMore") == "too little seen in 1015.0–1020.0 m"
         unseen = ["Next going down: unseen hole in", "5.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit"]
         scene.update_state(ahead=ahead | {"unseen": ((None, None),) * 2})
@@ -325,7 +350,8 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         screen.until("window.__wall.app.zones.length")
         viewer.scene.update_state(zones=(), zones_to=1031.2)
         screen.until(f"{digits}.startsWith('none')")
-        assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser and bit", "no heads over no rows"
+        assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser, bit", "no heads over no rows"
+        assert screen.inner_text("#rigBitHead") == "Bit depth, on bottom"
         viewer.scene.update_state(hole_depth=1050.0)  # lifted
         screen.until(f"{digits}.startsWith('not known')")
         screen.close()
@@ -365,14 +391,16 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         assert screen.evaluate(ROWS)[0][3:] == ["0.0 m", "none"]
         viewer.scene.update_state(string=string | {"hanging": [of | {"high": -0.001}]})
         screen.until("document.getElementById('rigWhere').textContent.includes('now')")
-        now = ["Next going up: sticks", "now ", "stabiliser, at 1015.3 m"]
+        now = ["Next: sticks", "now ", "stabiliser, at 1015.3 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == now
         assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
         received = time.time() - 30
         viewer.scene.update_state(received=received)
         screen.until("document.body.classList.contains('stale')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == ["Next: not known", "– ", "no new bit depth"]
-        assert screen.evaluate(ROWS)[0][1:] == ["", "–", "–", "–"]
+        assert screen.inner_text("#rigBitHead") == "Bit depth"
+        assert screen.evaluate(ROWS) == [], "no dashes"
+        assert screen.inner_text("#rigBodies") == "Clearances not known: no new bit depth"
         viewer.scene.update_state(received=time.time())
         screen.until("!document.body.classList.contains('stale')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == now
@@ -498,7 +526,9 @@ def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None
         where = screen.evaluate(f"({CELL})('rigWhere')")
         assert where == ["Next going up: unseen hole in", f"{2024.0 - bottom:.1f} m", "bit"]
         viewer.scene.update_state(bit_depth=2090.0, hole_depth=2090.0)
-        screen.until("document.getElementById('rigWorstMore').textContent === 'nobody saw it'")  # no hole near the bit
+        screen.until(
+            "document.getElementById('rigWorstMore').textContent === 'too little seen'"
+        )  # no hole near the bit
         screen.close()
 
 

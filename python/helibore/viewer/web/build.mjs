@@ -22,7 +22,7 @@ const shaders = {
 // The page without a server has no rig mode.
 const withoutRig = {
   name: 'without rig mode',
-  setup: (build) => build.onLoad({ filter: /rig(_digits\.js|_places\.js|\.css)$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, writeDigits = 0; export default 0;', loader: 'js' })),
+  setup: (build) => build.onLoad({ filter: /rig(_digits\.js|_places\.js|\.css)$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, tightNow = 0, writeDigits = 0, zonesInRig = 0; export default 0;', loader: 'js' })),
 };
 // What a module imports of these is a text.
 const texts = {

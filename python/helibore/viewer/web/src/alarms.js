@@ -33,6 +33,8 @@ export class Alarms {
   session = '';
   /** @type {string[]} */
   silenced = [];
+  /** @type {Pair[]} */
+  quiet = []; // ends of the places that were known when the user silenced the alarms
   whole = false; // rig mode shows the whole text
   /** @type {number | undefined} */
   closes = undefined; // timer of the whole text
@@ -48,7 +50,7 @@ export class Alarms {
   /** @param {string} session */
   begin(session) {
     const kept = JSON.parse(recall('sessionStorage', KEPT) ?? 'null');
-    Object.assign(this, { zones: [], silenced: [], ...(kept?.session === session ? kept : {}), session });
+    Object.assign(this, { zones: [], silenced: [], quiet: [], ...(kept?.session === session ? kept : {}), session });
   }
 
   // Take the zones (`now`) and the alarms (`feed`) of the next state of the same wall. A zone is new if the wall is `live` and no
@@ -76,14 +78,15 @@ export class Alarms {
     if (this.app.view.rig && !this.whole) return this.read(true);
     this.whole = false;
     this.silenced = this.feed;
+    this.quiet = [...this.app.zones, ...(late(this.app)?.tightNow(this.app) ?? [])].map(({ start, stop }) => [start, stop]);
     this.zones = [];
     this.keep();
     this.app.redraw();
   }
 
   keep() {
-    const { session, zones, silenced } = this;
-    remember('sessionStorage', KEPT, JSON.stringify({ session, zones, silenced }));
+    const { session, zones, silenced, quiet } = this;
+    remember('sessionStorage', KEPT, JSON.stringify({ session, zones, silenced, quiet }));
   }
 
   /** @param {Zone} zone */

@@ -15,7 +15,7 @@ import { Figures } from './figures.js';
 import { Glow } from './glow.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindTracks } from './input.js';
-import { ageOf, lamp, Pace } from './lamp.js';
+import { ageOf, lamp, LIFTED, Pace } from './lamp.js';
 import { late } from './late.js';
 import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
@@ -228,9 +228,11 @@ export class App {
     document.body.classList.toggle('saved', ended && newest === null);
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;
-    if (takeRanges(this.selection.quantities, ranges) || this.bitDepth !== bit) this.repaint();
+    const hung = string?.bit; // the clearances are found a moment later than the bit's depth
+    const at = bit !== null && hung && Math.abs(hung - bit) < LIFTED ? hung : bit;
+    if (takeRanges(this.selection.quantities, ranges) || this.bitDepth !== at) this.repaint();
     this.prints = prints;
-    this.bitDepth = bit;
+    this.bitDepth = at;
     this.holeDepth = hole;
     this.view.followUnits(units);
     this.pace.note(received);

@@ -9,7 +9,7 @@ export { default as HELP } from '../help.html';
 export { BIT, BIT_CORNERS, INSIDE_FRAGMENT } from './late_shaders.js';
 export { plainImage } from './plain_image.js';
 export { paneOf, saveStage } from './stage_picture.js';
-export { hungInRig, placesOf, writeDigits } from './rig_digits.js';
+export { hungInRig, placesOf, tightNow, writeDigits, zonesInRig } from './rig_digits.js';
 export { rigSection } from './rig_places.js';
 export { default as rigStyles } from '../rig.css';
 export { drawRun } from './run_chart.js';

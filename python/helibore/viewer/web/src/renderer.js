@@ -134,7 +134,7 @@ export class Renderer {
       dark: view.theme === 'dark',
       notes: app.notes.kept,
       intervals: store.intervals,
-      zones: app.zones,
+      zones: (view.rig && late(app)?.zonesInRig(app)) || app.zones,
       held: view.pinned ? heldPlane(app.picking.planes().kept, view) : undefined,
       growing: app.growing,
       arms: app.curves.arms,

@@ -5,13 +5,12 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { isPassed, leftTo, NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { HOLDS, isPassed, leftTo, NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
-const MOVED = 0.3; // metres that the bit may have moved on since the clearances were found
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
 const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SIDES.up : SIDES.down);
@@ -42,14 +41,15 @@ function cell(id, head, digits, unit, more) {
 
 /** @param {App} app */
 export function writeDigits(app) {
-  const { view: { units, theme }, store, path, bit, holeDepth: hole } = app;
+  const { view: { units, theme }, store, path, bit, holeDepth: hole, ahead } = app;
   const ends = recent(store);
   const tvd = path.tvd(bit ?? NaN);
   const whyNot = path.whyNoTvd(bit ?? NaN);
   const trueDepth = Number.isFinite(tvd) ? `TVD ${showDepth(tvd, units, 1)}` : whyNot ? `TVD: ${whyNot}` : '';
   const off = bit === null || hole === null ? NaN : hole - bit;
-  const place = off > LIFTED ? `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}` : Number.isFinite(off) ? 'on bottom' : '';
-  cell('rigBit', 'Bit depth', ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : place || trueDepth);
+  const lifted = off > LIFTED && `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}`;
+  const moves = isStale(app) ? '' : ahead?.moving ? `, going ${ahead.moving}` : off <= LIFTED ? ', on bottom' : lifted && ahead ? ', at rest' : '';
+  cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : lifted || trueDepth);
   writeData(app);
   writeWorst(app);
   byId('rigBodies').hidden = !app.string;
@@ -102,43 +102,41 @@ function parts(text) {
 function writeWorst(app) {
   const { view: { units }, store, bit, alarms, ahead, zonesTo, string } = app;
   const found = placesAhead(app);
+  const stale = isStale(app);
   byId('rigWorstCell').className = !found ? '' : found.worst.tight || !found.worst.zone || !alarms.isNew(found.worst.zone) ? 'zone' : 'new';
   if (!found) {
     const [top, bottom] = reach(app);
     const end = Math.min(store.span[1], bottom);
     byId('rigWhereCell').className = '';
     const [unseen] = unseenAhead(app);
-    const last = isStale(app) ? ['not known', NO_BIT] : unseen ? ['not known', `nobody saw ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'nobody saw it'];
+    const last = stale ? ['not known', NO_BIT] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
-    if (digits !== 'not known' || !unseen || isStale(app)) return cell('rigWhere', 'Hole size', ...holeSize(app));
+    if (digits !== 'not known' || !unseen || stale) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', `Next going ${unseen.way}: ${UNSEEN}${unseen.left > NOW ? ' in' : ''}`, ...distance(unseen.left, units), unseen.first);
   }
   const { worst, next, count, most } = found;
-  const stuck = next.tight ? stuckIn(app, next) : -1;
-  byId('rigWhereCell').className = stuck >= 0 || ((next.tight || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
+  const stuck = next.tight && !stale ? stuckIn(app, next) : -1;
+  byId('rigWhereCell').className = stuck >= 0 || (!stale && (next.tight || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
   /** @param {FirstPlace} of */
   const kind = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
   const [digits, unit] = parts(size(worst));
-  const distant = next === worst ? '' : `, in ${showDepth(worst.left, units, 1)}`;
+  const distant = stale || next === worst || (stuck >= 0 && worst.start < next.stop && next.start < worst.stop) ? '' : `, in ${showDepth(worst.left, units, 1)}`;
   const unsure = Number.isNaN(worst.sure);
   cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way ? '' : ' place'}${worst.way && ` going ${worst.way}`}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
-  if (isStale(app)) {
-    byId('rigWhereCell').className = '';
-    return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
-  }
+  if (stale) return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
   const { hanging = [] } = string ?? {};
-  const first = hanging[stuck]?.name ?? next.first;
+  if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);
+  const { first } = next;
   const i = hanging.findIndex(({ name }) => name === first);
   const may = next.tight && i >= 0 && isUnsure(app, i);
-  const left = bit === null ? NaN : stuck >= 0 ? 0 : next.left;
+  const left = bit === null ? NaN : next.left;
   const isNow = left <= NOW && !may;
-  const at = hanging[i]?.depth;
   const head = `Next${next.way && ` going ${next.way}`}: ${next.tight ? 'sticks' : kind(next)}${isNow ? '' : ' in'}`;
   const isUnseen = kind(next) === UNSEEN;
-  const more = isNow && next.tight && typeof at === 'number' ? `at ${showDepth(at, units, 1)}` : next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}`;
+  const more = next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}`;
   const [far, farUnit] = distance(left, units, may);
   const [other] = next.tight && next.way && !ahead?.moving ? tightOn(app, next.way === 'up' ? 'down' : 'up') : [];
   cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}${other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : ''}`);
@@ -225,11 +223,32 @@ function wayOf(app, i, side) {
 /** @param {RigidBody[]} bodies @param {Store} store */
 const nextToBit = (bodies, { bitRadius }) => bodies.map((_, i) => i).filter((i) => bodies[i][2] > 0 && bodies[i][0] > STABILISER * 2 * bitRadius).sort((a, b) => bodies[a][2] - bodies[b][2])[0] ?? -1;
 
+// Return the row of a body: its name, what it clears now, and how far it moves up and down until it sticks.
+/** @param {App} app @param {number} i */
+function rowOf(app, i) {
+  const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
+  const { bodies = [], hanging = [], bit: at = bit } = string ?? {};
+  const { name = '', clearance: found = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
+  const bound = (most ? high : null) ?? found;
+  const isFound = Math.abs((bit ?? NaN) - (at ?? NaN)) <= NOW; // else the server looks for what the body clears here
+  const clearance = !isFound || (most && bound > WIDE) ? NaN : bound;
+  const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
+  const isStuck = isFound && sticksNow(app, i);
+  const note = !isFound ? 'looking' : Number.isNaN(clearance) ? 'not measured' : low === null ? '± not known' : most ? 'at most' : withIn({ low, high }, units);
+  const ways = [0, 1].map((side) => {
+    if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
+    return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
+  });
+  const moving = ahead?.moving && ways[WAYS.indexOf(ahead.moving)][0];
+  const state = isStuck ? 'new' : isFound && ((!own && mayStick({ low, high })) || moving === 'now') ? 'zone' : '';
+  return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
+}
+
 // Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, and for the body that sticks next on each way, in the order in which they
 // hang: what it clears now, and how far it moves up or down until it sticks. If none of them is there, the widest that is has a row. Below them: those of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
-  const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
+  const { store, string, ahead } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   const stale = isStale(app);
   const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
@@ -240,24 +259,8 @@ function writeBodies(app) {
   const unmeasured = wide.filter((i) => !isMeasured(i));
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
   const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
-  const rows = shown.map((i) => {
-    const { name = '', clearance: found = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
-    const bound = (most ? high : null) ?? found;
-    const clearance = stale || (most && bound > WIDE) ? NaN : bound;
-    const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
-    const isOld = stale || Math.abs((bit ?? NaN) - (string?.bit ?? NaN)) > MOVED;
-    const isStuck = !isOld && sticksNow(app, i);
-    const unsure = !own && mayStick({ low, high });
-    const note = stale ? '' : Number.isNaN(clearance) ? 'not measured' : low === null ? 'uncertainty not known' : most ? 'at most' : withIn({ low, high }, units);
-    const ways = [0, 1].map((side) => {
-      if (!ahead || stale || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
-      return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
-    });
-    const [moving] = ahead?.moving ? ways[ahead.moving === 'up' ? 0 : 1] : [''];
-    const state = isOld ? 'old' : isStuck ? 'new' : unsure || moving === 'now' ? 'zone' : '';
-    return { state, name, tag: i === near ? 'at bit' : '', values: [[...parts(showSize(clearance, units)), note], ...ways] };
-  });
-  const lacks = stale ? `Not known: ${NO_BIT}` : unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(' and ')}` : '';
+  const rows = stale ? [] : shown.map((i) => ({ ...rowOf(app, i), tag: i === near ? 'at bit' : '' }));
+  const lacks = stale ? `Clearances not known: ${NO_BIT}` : unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(', ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
@@ -265,17 +268,44 @@ function writeBodies(app) {
   at.style.setProperty('--rows', String(rows.length || 1));
   /** @param {string} tag @param {string} textContent @param {string} [className] */
   const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
-  const heads = ['', 'Clearance now', 'up: sticks in', 'down: sticks in'].map((one, i) => make('h2', one, ['', '', 'up', 'down'][i] === (ahead?.moving || '-') ? 'on' : ''));
+  const heads = ['', 'Clearance now', ...WAYS.map((way) => `${way}: sticks in`)].map((one) => make('h2', one, WAYS.some((way) => one.startsWith(way) && (ahead?.moving || way) === way) ? 'on' : '')); // at rest, both ways
   at.replaceChildren(...(rows.length ? heads : []), ...rows.flatMap(({ state, name, tag, values }) => {
     const first = make('p', name, `${state} name`);
     if (tag) first.append(make('small', tag, 'note'));
-    return [first, ...values.map(([digits, unit, note], i) => {
-      const value = make('p', digits, `${i && state === 'old' ? '' : state} size${'none –'.includes(digits) && !note ? ' soft' : ''}`);
+    return [first, ...values.map(([digits, unit, note]) => {
+      const value = make('p', digits, `${state} size${'none –'.includes(digits) && !note ? ' soft' : ''}`);
       if (unit) value.append(make('small', ` ${unit}`));
       if (note) value.append(make('small', note, 'note'));
       return value;
     })];
   }), make('p', lacks, 'lacks'));
+}
+
+// Return the places above and below the bit in which the string sticks, each once, the tightest first.
+/** @param {App} app @returns {FirstPlace[]} */
+export const tightNow = (app) => (app.store ? WAYS.flatMap((way) => tightOn(app, way)) : []).sort((a, b) => a.measure - b.measure).filter((of, i, all) => !all.slice(0, i).some((other) => other.start < of.stop && of.start < other.stop));
+
+// Whether the user has silenced a place: what was there then is kept.
+/** @param {Alarms} alarms @param {{ start: number, stop: number }} of */
+const isQuiet = ({ quiet }, { start, stop }) => quiet.some((one) => start < one[1] && one[0] < stop);
+
+// Return the zones that are new, and those within reach in which the string may stick that were found before the page began and are not silenced.
+/** @param {App} app */
+function alarmed(app) {
+  const { alarms, zones, store } = app;
+  const [top, bottom] = store ? reach(app) : [NaN, NaN];
+  const holds = zones.filter((zone) => HOLDS.includes(zone.kind) && zone.stop > top && zone.start < bottom && !isQuiet(alarms, zone));
+  return [...new Set([...alarms.zones, ...holds])].filter((zone) => !isPassed(app, zone));
+}
+
+// Return the zones as the picture names them: where the string sticks, what passes there counts, as in the digits.
+/** @param {App} app @returns {Zone[]} */
+export function zonesInRig(app) {
+  const tight = tightNow(app);
+  return app.zones.map((zone) => {
+    const own = tight.find((of) => of.zone === zone);
+    return own ? { ...zone, measure: own.measure, name: 'tight' } : zone;
+  });
 }
 
 // Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.
@@ -284,7 +314,7 @@ function writeBodies(app) {
 /** @param {App} app @param {boolean} whole */
 export function placesOf(app, whole) {
   const { alarms, view: { units }, zones } = app;
-  const tight = app.store ? WAYS.flatMap((way) => tightOn(app, way)) : [];
+  const tight = tightNow(app);
   /** @typedef {{ name: string, measure: number, start: number, stop: number, sure: number }} Named */
   /** @param {FirstPlace} of @returns {Named} */
   const tightOne = (of) => ({ ...of, name: `tight ${sideOf(of, app.bit)}` });
@@ -294,14 +324,15 @@ export function placesOf(app, whole) {
     return own ? tightOne(own) : { ...zone, name: zone.kind, sure: zone.confidence };
   };
   const feed = alarms.said().map((alarm) => {
-    const [, name, rest] = /^(tight|washout)( ahead)?/.exec(alarm) ?? [];
-    const way = rest && tight.find(({ way: one }) => one && alarm.includes(SIDES[one]));
-    if (way) return tightOne(way);
+    const [name] = /^(tight|washout)/.exec(alarm) ?? [];
     const at = Number(/(?:at|from) ([\d.]+)(?: to [\d.]+)? m(?! *:)/.exec(alarm)?.[1]);
-    const zone = zones.find(({ kind, start, stop }) => kind === (name === 'tight' ? 'undergauge' : name) && at > start - NEAR && at < stop + NEAR);
-    return zone ? zoneOne(zone) : whole ? alarm : shortOf(alarm);
+    /** @param {{ start: number, stop: number }} of */
+    const isAt = ({ start, stop }) => at > start - NEAR && at < stop + NEAR;
+    const own = name === 'tight' && tight.find(isAt);
+    const zone = zones.find((of) => of.kind === (name === 'tight' ? 'undergauge' : name) && isAt(of));
+    return own ? tightOne(own) : zone ? zoneOne(zone) : whole ? alarm : shortOf(alarm);
   });
-  const all = [...feed, ...byConsequence(alarms.zones.filter((zone) => !isPassed(app, zone))).map(zoneOne)];
+  const all = [...feed, ...tight.filter((of) => !isQuiet(alarms, of)).map(tightOne), ...byConsequence(alarmed(app)).map(zoneOne)];
   /** @param {Named} of */
   const size = ({ measure }) => showSize(measure, units);
   /** @param {Named | string} of */

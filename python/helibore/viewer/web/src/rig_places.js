@@ -16,7 +16,7 @@ export const UNSEEN = 'unseen hole';
 export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
 const BY = 0.25; // metres from one turn that is looked at to the next
-const HOLDS = [UNSEEN, 'undergauge', 'key seat']; // hole in which the string may stick
+export const HOLDS = [UNSEEN, 'undergauge', 'key seat']; // hole in which the string may stick
 
 // Return the numbers of the widest bodies, in the order in which they hang.
 /** @param {RigidBody[]} bodies */
@@ -113,7 +113,7 @@ export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
     const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
     const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
     const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
-    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: zone?.measure ?? passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, way, left, first, tight: true };
+    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, way, left, first, tight: true };
   });
 }
 

@@ -61,7 +61,7 @@ interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
 interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
-interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number } // toolface: axis of a breakout, side of a key seat
+interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number; name?: string } // toolface: axis of a breakout, side of a key seat; name: in rig mode, if it is not the kind
 // A string of rigid bodies, and where it hangs.
 type RigidBody = [diameter: number, length: number, position: number];
 interface Hanging { name: string; clearance?: number; low?: number | null; high?: number | null; depth?: number | null; at_most?: boolean; short?: number }

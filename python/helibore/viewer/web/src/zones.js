@@ -99,11 +99,11 @@ export function mark(ink, zone, left, top, width, height, palette) {
 /** @param {Ink} ink @param {Look} look */
 export function nameZones(ink, { view, zones, rects: { image } }) {
   const palette = PALETTES[view.theme];
-  for (const { kind, start, stop, measure } of byConsequence(zones)) {
+  for (const { kind, name = kind, start, stop, measure } of byConsequence(zones)) {
     const y = yOf(view, image, (Math.max(start, view.top) + Math.min(stop, view.bottom)) / 2);
     const size = showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0];
     ink.font = BOLD;
-    if (stop > view.top && start < view.bottom) label(ink, fitting(ink, [`${kind} ${size}`, size], image.width), image.left + image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
+    if (stop > view.top && start < view.bottom) label(ink, fitting(ink, [`${name} ${size}`, size], image.width), image.left + image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
   }
 }
 
