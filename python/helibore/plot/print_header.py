@@ -47,6 +47,8 @@ HEADER = {
 """
 BLOCK = 22.4
 """Height of the upper part of the header, with the title and the entries of `HEADER`, millimetres."""
+TOPS_A_ROW, TOP_ROWS = 3, 4
+"""Names of tops in a row of the header, and rows that they have at most."""
 ROW = 3.6
 """Millimetres between the rows of the foot."""
 MADE = 62.0
@@ -106,7 +108,13 @@ def picked_and_tops(content: Content) -> list[tuple[str, str, bool]]:
     picks = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
     starts = [(one.name, one.start) for one in wall.intervals if one.start is not None and not one.track]
     tops = [f"{name} {top / unit.metres:.1f}" for name, top in starts if content.top <= top <= content.bottom]
-    rows = [("Picks", picks, False), (f"Tops [{unit.name}]", ", ".join(tops), False)]
+    most = TOPS_A_ROW * TOP_ROWS
+    shown = tops if len(tops) <= most else [*tops[: most - 1], f"and {len(tops) - most + 1} more"]
+    lines = [", ".join(shown[first : first + TOPS_A_ROW]) for first in range(0, len(shown), TOPS_A_ROW)]
+    rows = [
+        ("Picks", picks, False),
+        *((f"Tops [{unit.name}]" * (not row), line, False) for row, line in enumerate(lines)),
+    ]
     return [row for row in rows if row[1]]
 
 

@@ -867,6 +867,12 @@ def test_the_header_names_picks_and_tops_and_a_picture_stands_below_the_tracks()
     rows = {label: text for label, text, _ in facts(content)}
     assert rows["Picks"] == "2 beds, 1 fault"
     assert rows["Tops [m]"] == "Upper 1002.5"
+    wall.intervals = tuple(hb.Interval(f"Top {i}", 1001.0 + 0.2 * i, 1001.2 + 0.2 * i) for i in range(14))
+    many = [text for label, text, _ in facts(content_of(wall, Drawing(unit="mm"))) if "Top " in text or "more" in text]
+    assert many[0] == "Top 0 1001.0, Top 1 1001.2, Top 2 1001.4", "three names have room in a row"
+    assert [text.count(",") for text in many] == [2, 2, 2, 2]
+    assert many[-1] == "Top 9 1002.8, Top 10 1003.0, and 3 more"
+    wall.intervals = (hb.Interval("Upper", 1002.5, 1004.5),)
     written = io.BytesIO()
     red = np.zeros((30, 90, 3))
     red[..., 0] = 1.0

@@ -324,8 +324,8 @@ export class Gpu {
     const half = this.outside.tangent;
     const tall = Math.abs(along[2]) * sectionLength + 2.6 * radius;
     const wide = Math.hypot(along[0], along[1]) * sectionLength + 2.6 * radius;
-    const away = Math.max(tall / 2 / half, wide / 2 / half / Math.max(0.2, width / height));
-    this.outside.position = scaled(from, 1.16 * away + radius);
+    const away = Math.max(1.06 * tall, (1.3 * wide) / Math.max(0.2, width / height)) / 2 / half; // beside the hole stand names
+    this.outside.position = scaled(from, away + radius);
     this.outside.lookAt([0, 0, 0]);
   }
 

@@ -32,7 +32,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
   const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
-  if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path');
+  if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path', ...offPlan(look));
   if (picked) words.push(anglesInWords(path));
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
@@ -128,6 +128,30 @@ function bar(ink, x, y, perMetre, { units }, palette) {
   const size = niceStep(40 / perUnit);
   for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
   label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
+}
+
+// Return how far a point is from a line through points; NaN before its first and beyond its last point.
+/** @param {number[][]} points @param {number[]} centre */
+export function farFrom(points, centre) {
+  let [least, beyond] = [Infinity, true];
+  points.slice(1).forEach((point, i) => {
+    const [along, to] = [minus(point, points[i]), minus(centre, points[i])];
+    const share = dot(along, to) / dot(along, along);
+    const away = Math.hypot(...minus(to, scaled(along, Math.min(1, Math.max(0, share)))));
+    if (away < least) [least, beyond] = [away, (i === 0 && share < 0) || (i === points.length - 2 && share > 1)];
+  });
+  return beyond ? NaN : least;
+}
+
+// Return in words how far the hole is from the planned path where the wall ends, and where it is farthest.
+/** @param {Look} look */
+function offPlan({ view: { units }, path, store: { plan: points, span } }) {
+  const all = Array.from({ length: 61 }, (_, i) => span[0] + ((span[1] - span[0]) * i) / 60)
+    .map((depth) => ({ depth, away: farFrom(points, path.at(depth).centre) })).filter(({ away }) => !Number.isNaN(away));
+  const [end, most] = [all[all.length - 1], all.reduce((far, one) => (one.away > far.away ? one : far), all[0])];
+  /** @param {{ depth: number, away: number }} of */
+  const words = ({ depth, away }) => `${showDepth(away, units, 1)} off it at ${showDepth(depth, units, 0)}`;
+  return !end ? [] : most.away - end.away < 0.05 ? [`${words(end)}, the most`] : [words(end), `at most ${words(most)}`];
 }
 
 // Draw the planned path.

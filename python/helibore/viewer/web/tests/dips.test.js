@@ -9,7 +9,7 @@ import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
 import { edgeOf, topsOf } from '../src/plane_rings.js';
 import { Path } from '../src/path.js';
-import { compass } from '../src/wall_ink.js';
+import { compass, farFrom } from '../src/wall_ink.js';
 
 const RAD = Math.PI / 180;
 const near = (got, wanted, by, what = '') => assert.ok(Math.abs(got - wanted) <= by, `${what} ${got}, not ${wanted}`);
@@ -566,4 +566,12 @@ test('the azimuth of a breakout is that of its direction, not its angle from nor
   assert.ok(Number.isNaN(path(90, 63).azimuth(1010, 0)), 'straight up');
   const unsurveyed = new Path(1000, 0.5, 'north');
   assert.deepEqual([axisOf(unsurveyed, 1010, 30), axisOf(new Path(1000, 0.5, 'high-side'), 1010, 30)], ['030° / 210°', '']);
+});
+
+test('the distance to a planned path is that to its nearest leg, and not known before its start and beyond its end', () => {
+  const plan = [[0, 0, 0], [0, 0, 100], [0, 30, 140]];
+  near(farFrom(plan, [3, 4, 50]), 5, 1e-9);
+  near(farFrom(plan, [5, 15, 120]), 5, 1e-9);
+  near(farFrom(plan, [0, -1, 100.5]), Math.hypot(1, 0.5), 1e-9, 'at the bend');
+  assert.ok([[0, 0, -1], [0, 60, 180]].every((point) => Number.isNaN(farFrom(plan, point))));
 });
