@@ -39,14 +39,17 @@ MOST_ARMS = 256
 
 
 def arm_numbers(samples: Columns, arms: Caliper | None) -> Integers | None:
-    """Return 0, 1, ... for the arm of each sample; None if an arm is not known, or all samples have one."""
+    """Return 0, 1, ... for the arm of each sample.
+
+    None if an arm is not known, or if all samples have one or there are more than `MOST_ARMS`: not those of a tool.
+    """
     if arms is None or arms.arm is None:
         return None
     order = canonical_order(arms)
     if not np.array_equal(arms.radius[order], samples[2]):
         return None
     numbers: Integers = np.unique(arms.arm[order], return_inverse=True)[1].reshape(-1)
-    return numbers if numbers.max(initial=0) > 0 else None
+    return numbers if 0 < numbers.max(initial=0) < MOST_ARMS else None
 
 
 def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> tuple[Floats, Floats]:

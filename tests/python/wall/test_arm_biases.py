@@ -81,6 +81,20 @@ def test_arms_that_follow_the_shape_have_no_biases() -> None:
     assert not uncertain.any()
 
 
+def test_rows_in_place_of_arms_add_nothing_to_sigma() -> None:
+    caliper, _ = tool(3e-4, length=3.0)
+    columns = caliper.depth, caliper.toolface, caliper.radius
+    rows = np.arange(caliper.depth.size)
+    samples = in_depth_order(caliper)
+    assert arm_numbers(samples, hb.Caliper(*columns, arm=rows)) is None
+    known = arm_numbers(samples, hb.Caliper(*columns, arm=rows % 256))
+    assert known is not None
+    assert known.max() == 255
+    settings: dict[str, Any] = {"bit_diameter": BIT, "estimator": "near-and-far", "covariance": COVARIANCE}
+    found = hb.reconstruct(hb.Caliper(*columns, arm=rows), **settings).sigma
+    np.testing.assert_array_equal(found, hb.reconstruct(hb.Caliper(*columns), **settings).sigma)
+
+
 def test_the_shares_of_arms_are_those_of_the_weights() -> None:
     caliper, _ = tool(3e-4, length=3.0)
     wall = hb.reconstruct(caliper, bit_diameter=BIT, estimator="near-and-far", covariance=COVARIANCE)
