@@ -114,7 +114,7 @@ class TestPage:
         screen = Screen(browser, wells[0].url, "#mode=section&datum=Bed+1", drawn=False)
         heights = screen.evaluate(
             "(({ section }) => section.columns.map(({ well, datum, rects }) =>"
-            " well.store.intervals.map(([, start]) => section.y(start - datum, rects))))(window.__wall.wells)"
+            " well.store.intervals.map(([, at]) => section.y(section.down(well, at), rects))))(window.__wall.wells)"
         )
         assert len(heights) == 3
         upper, lower = np.array(heights).T
@@ -122,6 +122,30 @@ class TestPage:
         thickness = np.array([bottom - top for top, bottom in TOPS.values()])
         assert (lower - upper) / thickness == pytest.approx([(lower - upper)[0] / thickness[0]] * 3)
         screen.close()
+
+    @pytest.mark.parametrize("surveyed", [True, False])
+    def test_wells_hang_on_a_top_by_true_depth_if_all_have_it(self, browser: Any, surveyed: bool) -> None:
+        tops = (1004.0, 1010.0)
+        walls = {"A-1": made(HEADS["A-1"], tops), "B-2": made(HEADS["B-2"] if surveyed else None, tops, 60.0)}
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section&datum=Bed+1", drawn=False)
+            screen.until("window.__wall.wells.section.columns.length === 2")
+            rows = screen.evaluate(
+                "(({ section }) => section.columns.map(({ well, rects }) =>"
+                " [1004, 1010].map((depth) => section.y(section.down(well, depth), rects))))(window.__wall.wells)"
+            )
+            found = screen.evaluate(
+                "(({ section }) => section.columns.map(({ rects: { image } }, i) =>"
+                f" section.found(image.left + 9, {json.dumps(rows)}[i][1]).depth))(window.__wall.wells)"
+            )
+            texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            screen.close()
+        upper, lower = np.array(rows).T
+        assert np.ptp(lower) < 1e-6
+        assert found == pytest.approx([1010.0, 1010.0], abs=0.02)
+        ratio = np.cos(np.radians(30)) / np.cos(np.radians(60)) if surveyed else 1.0
+        assert (lower - upper)[0] / (lower - upper)[1] == pytest.approx(ratio, rel=1e-3)
+        assert texts.count("TVD m") == (2 if surveyed else 1)
 
     def test_equal_true_depths_stand_at_one_height(self, browser: Any) -> None:
         """In a well that builds and in a straight one; every track and the pointer use the axis of true depth."""

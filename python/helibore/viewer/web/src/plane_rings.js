@@ -90,10 +90,14 @@ export function drawDiscs(ink, look, planes, gpu, tops) {
   return () => {
     for (const { plane, colour, at, dx, dy } of beside.sort((one, other) => Number(tops.has(other.plane)) - Number(tops.has(one.plane)))) {
       const name = tops.get(plane);
-      const text = [name, anglesOf(plane, path)].filter(Boolean).join('   ');
+      if (!at) continue;
+      const parts = [...(name ? [name] : []), anglesOf(plane, path)];
+      const whole = parts.join('   ');
       ink.font = BOLD;
-      const x = Math.max((at?.[0] ?? 0) + 6 * dx, rect.left + 6 + (dx < -0.3 ? ink.measureText(text).width : 0));
-      if (at) label(ink, text, x, at[1] + 12 * dy, { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: [[0, 0], [0, -12], [0, 12]], yields: !name, margin: 1 });
+      const end = at[0] + 6 * dx - rect.left - 6; // of the room at the left of the disc
+      const lines = dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]; // in two lines it need not stand on the hole
+      const x = Math.max(end, dx < -0.3 ? Math.max(...lines.map((text) => ink.measureText(text).width)) : 0) + rect.left + 6;
+      for (const [i, text] of lines.entries()) label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: [[0, 0], [0, -12], [0, 12]], yields: !name, margin: 1 });
     }
   };
 }

@@ -35,18 +35,25 @@ export class Section {
     this.wells = wells;
   }
 
+  // Whether depths here are true depths: where they are asked for, and from a top if all wells have them.
+  get byTrue() {
+    const { datum, drawn } = this.wells;
+    return datum === TRUE || (datum !== '' && drawn.every(hasTrue));
+  }
+
   // Return the depth in a well from which its depths count here; NaN if the well lacks the top, or true depths.
   /** @param {import('./well.js').Well} well */
-  datumOf({ store, path }) {
+  datumOf(well) {
     const { datum } = this.wells;
-    if (datum === TRUE) return Number.isNaN(path.tvd(store.span[0])) ? NaN : 0;
-    return datum ? (store.intervals.find(([name]) => name === datum)?.[1] ?? NaN) : 0;
+    if (datum === TRUE) return hasTrue(well) ? 0 : NaN;
+    const start = datum ? (well.store.intervals.find(([name]) => name === datum)?.[1] ?? NaN) : 0;
+    return this.byTrue ? trueDepths(well).down(start) : start;
   }
 
   // Return how far down a depth of a well is here.
   /** @param {import('./well.js').Well} well @param {number} depth */
   down(well, depth) {
-    return this.wells.datum === TRUE ? trueDepths(well).down(depth) : depth - this.datumOf(well);
+    return (this.byTrue ? trueDepths(well).down(depth) : depth) - this.datumOf(well);
   }
 
   fit() {
@@ -103,7 +110,7 @@ export class Section {
       const image = { ...body, left: left + AXIS, width: room - caliper - (caliper ? 6 : 0) };
       const none = { ...body, left, width: 0 };
       const last = { ...body, left: left + AXIS + room + 6, width: dips };
-      const bent = wells.datum === TRUE ? bend(well, this.top, this.length) : undefined;
+      const bent = this.byTrue ? bend(well, this.top + this.datumOf(well), this.length) : undefined;
       return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, ...(dips ? { dips: last } : {}), wall: none, pane: none } };
     });
     const looks = this.columns.map(({ well, datum, bent, rects }) => {
@@ -125,7 +132,7 @@ export class Section {
     const lines = ends.length ? linesOf(Math.min(...ends), Math.max(...ends), scale) : undefined; // one scale for all wells
     looks.forEach((look, i) => this.column(ink, look, this.columns[i], palette, lines));
     const left = wells.drawn.length - drawn.length;
-    const level = wells.datum === TRUE ? drawn.filter((well) => trueDepths(well).level).map(({ name }) => name) : [];
+    const level = this.byTrue ? drawn.filter((well) => trueDepths(well).level).map(({ name }) => name) : [];
     const notes = [...(left ? [`${left} well${left === 1 ? '' : 's'} without ${wells.datum === TRUE ? 'true depth (a survey from depth 0, or path.head, gives it)' : wells.datum} not shown`] : []), ...(level.length ? [`where ${level.join(', ')} rises, it is not shown`] : [])];
     if (notes.length) label(ink, notes.join('; '), rect.left + rect.width - 8, rect.height - 4, { colour: palette.soft, align: 'right', font: SMALL });
     if (looks.length) this.key(ink, looks, { ...rect, width: rect.width - (notes.length ? ink.measureText(notes.join('; ')).width + 24 : 0) });
@@ -270,8 +277,12 @@ export class Section {
 export function farApart(wells) {
   const spans = wells.map(({ store }) => store.span);
   const all = Math.max(...spans.map(([, bottom]) => bottom)) - Math.min(...spans.map(([top]) => top));
-  return all > 2 * Math.max(...spans.map(([top, bottom]) => bottom - top)) && wells.every(({ store, path }) => !Number.isNaN(path.tvd(store.span[0])));
+  return all > 2 * Math.max(...spans.map(([top, bottom]) => bottom - top)) && wells.every(hasTrue);
 }
+
+// Whether a well has true depths.
+/** @param {import('./well.js').Well} well */
+const hasTrue = ({ store, path }) => !Number.isNaN(path.tvd(store.span[0]));
 
 /** @type {WeakMap<import('./well.js').Well, { key: string, down(depth: number): number, depth(down: number): number, level: boolean }>} */
 const tables = new WeakMap();
