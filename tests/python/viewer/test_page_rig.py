@@ -409,7 +409,7 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         scene.update_state(alarms=alarms, ahead=ahead | {"down": up, "moving": "down"})
         screen.until("window.__wall.app.ahead.moving === 'down'")
         screen.settle()
-        assert screen.evaluate(head) == "Worst going down: tight", "a body above the bit meets what is above it"
+        assert screen.evaluate(head) == "Worst place: tight", "it sticks there on both ways"
         assert screen.inner_text("#alarmText").startswith("Tight above")
         scene.update_state(ahead=ahead | {"up": None, "down": up, "moving": "up"})
         screen.until(f"!{head}.endsWith('tight')")  # tripped out, what lies behind is not next

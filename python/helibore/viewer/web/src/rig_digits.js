@@ -123,9 +123,10 @@ function writeWorst(app) {
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
   const [digits, unit] = parts(size(worst));
-  const distant = stale || next === worst || (stuck >= 0 && worst.start < next.stop && next.start < worst.stop) ? '' : `, in ${showDepth(worst.left, units, 1)}`;
+  const isHere = stuck >= 0 && worst.start < next.stop && next.start < worst.stop;
+  const distant = stale || next === worst || isHere ? '' : `, in ${showDepth(worst.left, units, 1)}`;
   const unsure = Number.isNaN(worst.sure);
-  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way ? '' : ' place'}${worst.way && ` going ${worst.way}`}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
   if (stale) return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
   const { hanging = [] } = string ?? {};
   if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);

@@ -103,13 +103,16 @@ export function meeting(app, { kind, start, stop }) {
   return met.sort((a, b) => a.left - b.left)[0] ?? null;
 }
 
-// Return the tight places of one way, the nearest first: that at which the string sticks next, and the tightest.
+// Return the tight places of one way, the nearest first: that at which the string sticks next, and the tightest. Bodies that meet a place on
+// the other way may be tighter there, so both ways say what passes.
 /** @param {App} app @param {Way} way @returns {FirstPlace[]} */
 export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
   const { nearest, worst } = ahead?.[way] ?? {};
+  const all = WAYS.flatMap((one) => [ahead?.[one]?.nearest ?? [], ahead?.[one]?.worst ?? []]);
   return [nearest, worst && worst[3] !== nearest?.[3] ? worst : undefined].flatMap((place) => {
     if (!place) return [];
-    const [top, bottom, passes, sticksAt, first] = place;
+    const [top, bottom, , sticksAt, first] = place;
+    const passes = Math.min(...all.map(([from = NaN, to = NaN, one = NaN]) => (from <= bottom && top <= to ? one : Infinity)));
     const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
     const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
     const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
