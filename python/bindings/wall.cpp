@@ -58,9 +58,11 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     std::optional<double> kriging_range;
     take("kriging_range", kriging_range);
     take("nugget", s.nugget);
-    std::optional<std::vector<double>> covariance;
+    std::optional<std::vector<double>> covariance, other_turns;
     take("covariance", covariance);
+    take("other_turns", other_turns);
     s.covariance = covariance.value_or(std::vector<double>{});
+    s.other_turns = other_turns.value_or(std::vector<double>{});
     take("sigma", s.sigma);
     take("direct", s.direct);
     take("most_vertices", s.most_vertices);

@@ -43,6 +43,10 @@ struct Settings {
     // = toolface difference - turn * depth difference. If the length around of the second term is below 0, the term
     // repeats after half a turn, as breakouts do: chord = R sin(turned).
     std::vector<double> covariance = {};
+    // near_and_far: other covariances that the samples leave about as likely: for each its share of the probability,
+    // and nine values as above, of two terms, with the turn and the same R. The share of `covariance` is the rest. A
+    // radius is then the mean by all of them, and its variance the expected square about this.
+    std::vector<double> other_turns = {};
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would exceed this is refused, because a depth must be wrong

@@ -139,7 +139,7 @@ Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
 }  // namespace
 
 const RowsOfCells& Chunk::rows_of(const Cells& cells) const {
-    return rows_of_cells_.get([&] {
+    const auto find = [&] {
         struct Last {
             double row = -std::numeric_limits<double>::infinity();
             std::uint16_t at = 0;
@@ -158,8 +158,13 @@ const RowsOfCells& Chunk::rows_of(const Cells& cells) const {
                 rows.starts.push_back({row, static_cast<std::uint16_t>(column), at});
             last = {row, at};
         }
+        rows.cells = cells;
+        rows.others = std::make_unique<FoundOnce<RowsOfCells>>();
         return rows;
-    });
+    };
+    const RowsOfCells* rows = &rows_of_cells_.get(find);
+    while (rows->cells != cells) rows = &rows->others->get(find);
+    return *rows;
 }
 
 const Levels& Chunk::levels(int neighbors) const {

@@ -59,49 +59,6 @@ struct Level {
 };
 using Levels = std::vector<Level>;
 
-// A division of the hole into cells (search/near_far.hpp).
-struct Cells {
-    double height;  // metres
-    Index around;   // number of cells in a turn
-    double turn;    // degrees a metre: the columns turn so much along the hole
-
-    double row(double depth) const { return std::floor(depth / height); }
-    Index column(double depth, double toolface) const {
-        const double at = turn == 0.0 ? toolface : wrap_toolface(toolface - turn * depth);
-        return std::min(static_cast<Index>(at * (static_cast<double>(around) / 360.0)), around - 1);
-    }
-};
-
-// The first sample of a cell in a chunk: its offset, and where the cell is.
-struct CellStart {
-    double row;
-    std::uint16_t column, offset;
-};
-
-// The rows of a chunk by cells: where each cell starts, in order, and of each row the next of its cell, 0 if there is
-// none. A cell may have more rows in the chunks before and behind.
-struct RowsOfCells {
-    std::vector<CellStart> starts;
-    std::vector<std::uint16_t> next;
-};
-
-// The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above
-// 0 only if an arm that does not turn leaves most of the circle empty.
-class ChunkToolfaces {
-  public:
-    ChunkToolfaces(const double* toolface, Index n);
-    // Returns a lower bound of the angle from `toolface` to the nearest toolface of the chunk, degrees.
-    double least_turn(double toolface) const;
-
-  private:
-    static constexpr std::size_t parts = 256;
-    static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
-
-    // next_[p]: the least toolface in part p or a later part. previous_[p]: the greatest toolface in a part before p.
-    // Beyond the ends of the circle, 360 degrees are added or subtracted.
-    double next_[parts + 2], previous_[parts + 2];
-};
-
 // A value that is computed from a chunk when get() is first called; several threads may call get() at the same time.
 template <class T>
 class FoundOnce {
@@ -123,6 +80,52 @@ class FoundOnce {
 
   private:
     mutable std::atomic<const T*> found_ = nullptr;
+};
+
+// A division of the hole into cells (search/near_far.hpp).
+struct Cells {
+    double height;  // metres
+    Index around;   // number of cells in a turn
+    double turn;    // degrees a metre: the columns turn so much along the hole
+
+    bool operator==(const Cells&) const = default;
+    double row(double depth) const { return std::floor(depth / height); }
+    Index column(double depth, double toolface) const {
+        const double at = turn == 0.0 ? toolface : wrap_toolface(toolface - turn * depth);
+        return std::min(static_cast<Index>(at * (static_cast<double>(around) / 360.0)), around - 1);
+    }
+};
+
+// The first sample of a cell in a chunk: its offset, and where the cell is.
+struct CellStart {
+    double row;
+    std::uint16_t column, offset;
+};
+
+// The rows of a chunk by cells: where each cell starts, in order, and of each row the next of its cell, 0 if there is
+// none. A cell may have more rows in the chunks before and behind.
+struct RowsOfCells {
+    std::vector<CellStart> starts;
+    std::vector<std::uint16_t> next;
+    Cells cells;
+    std::unique_ptr<FoundOnce<RowsOfCells>> others;  // by other cells
+};
+
+// The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above
+// 0 only if an arm that does not turn leaves most of the circle empty.
+class ChunkToolfaces {
+  public:
+    ChunkToolfaces(const double* toolface, Index n);
+    // Returns a lower bound of the angle from `toolface` to the nearest toolface of the chunk, degrees.
+    double least_turn(double toolface) const;
+
+  private:
+    static constexpr std::size_t parts = 256;
+    static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
+
+    // next_[p]: the least toolface in part p or a later part. previous_[p]: the greatest toolface in a part before p.
+    // Beyond the ends of the circle, 360 degrees are added or subtracted.
+    double next_[parts + 2], previous_[parts + 2];
 };
 
 class Chunk {

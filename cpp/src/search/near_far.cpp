@@ -109,7 +109,7 @@ struct NearFar::Scratch {
     kernel::SharedRoom room;
 };
 
-NearFar::NearFar(const Settings& settings)
+NearFar::NearFar(const Settings& settings, std::size_t number)
     : rule_{},
       near_((3 * settings.neighbors + 7) / 8),
       near_long_(repeats_after_half_a_turn(settings) ? (near_ + 1) / 2 : near_),
@@ -117,8 +117,8 @@ NearFar::NearFar(const Settings& settings)
       long_(metric_of(settings, long_term(settings), near_long_)),
       opposite_(metric_of(turned_by_half(settings), long_term(settings), near_long_)),
       max_distance_(settings.max_distance),
-      max_square_(max_distance_ * max_distance_ * (1.0 - 1e-9)) {  // all of these samples are neighbours for the search
-
+      max_square_(max_distance_ * max_distance_ * (1.0 - 1e-9)),  // all of these samples are neighbours for the search
+      number_(number) {
     const std::vector<double>& values = settings.covariance;
     rule_.radius = values[0];
     rule_.noise = values[1];
@@ -145,11 +145,11 @@ NearFar::NearFar(const Settings& settings)
         static_cast<Index>(std::clamp(std::ceil(2.0 * std::numbers::pi * values[0] / (size * around)), 1.0, 4096.0));
 }
 
-NearFar::~NearFar() = default;
-
 NearFar::Scratch& NearFar::scratch_of(Search::Scratch& scratch) const {
-    if (!scratch.near_far) scratch.near_far = std::make_shared<Scratch>();
-    return *static_cast<Scratch*>(scratch.near_far.get());
+    if (scratch.near_far.size() <= number_) scratch.near_far.resize(number_ + 1);
+    std::shared_ptr<void>& own = scratch.near_far[number_];
+    if (!own) own = std::make_shared<Scratch>();
+    return *static_cast<Scratch*>(own.get());
 }
 
 // Lists the cells from the row of cells that holds the depth `low` to the one that holds `high`.
@@ -391,6 +391,57 @@ void NearFar::interpolate(const Samples& samples, const Helix& helix, Index grou
             for (Index i = 0; i < used; ++i) out[c][to + i] = g.radius[first + i];
         }
     });
+}
+
+LikelyNearFar::LikelyNearFar(const Settings& settings) {
+    each_.push_back({1.0, NearFar(settings, 0)});
+    for (auto other = settings.other_turns.begin(); other != settings.other_turns.end(); other += 10) {
+        Settings of = settings;
+        of.covariance.assign(other + 1, other + 10);
+        each_.push_back({*other, NearFar(of, each_.size())});
+        each_[0].share -= *other;
+    }
+}
+
+void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group, Search::Scratch& scratch,
+                        GroupResult& result) const {
+    each_[0].by.run(samples, helix, group, scratch, result);
+    if (each_.size() == 1) return;
+    std::vector<GroupResult> found(each_.size(), result);
+    for (std::size_t k = 1; k < each_.size(); ++k) {
+        each_[k].by.run(samples, helix, group, scratch, found[k]);
+        result.shallow = std::min(result.shallow, found[k].shallow);
+        result.deep = std::max(result.deep, found[k].deep);
+    }
+    for (Index i = 0; i < lanes; ++i) {
+        double radius = 0.0, square = 0.0;
+        for (std::size_t k = 0; k < each_.size(); ++k) radius += each_[k].share * found[k].radius[i];
+        for (std::size_t k = 0; k < each_.size(); ++k) {
+            const double off = found[k].radius[i] - radius;
+            square += each_[k].share * (found[k].sums.square_weights[i] + off * off);
+        }
+        result.radius[i] = radius;
+        result.sums.square_weights[i] = square;
+    }
+}
+
+void LikelyNearFar::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                                Search::Scratch& scratch, std::span<const std::span<const double>> channels,
+                                std::span<double* const> out) const {
+    each_[0].by.interpolate(samples, helix, group, vertex_count, scratch, channels, out);
+    if (each_.size() == 1) return;
+    const Index used = std::min(lanes, vertex_count - group * lanes);
+    std::vector<double> values(channels.size() * static_cast<std::size_t>(lanes));
+    std::vector<double*> columns;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        columns.push_back(values.data() + c * static_cast<std::size_t>(lanes));
+        for (Index i = 0; i < used; ++i) out[c][i] *= each_[0].share;
+    }
+    for (std::size_t k = 1; k < each_.size(); ++k) {
+        each_[k].by.interpolate(samples, helix, group, vertex_count, scratch, channels, columns);
+        for (std::size_t c = 0; c < channels.size(); ++c)
+            for (Index i = 0; i < used; ++i) out[c][i] += each_[k].share * columns[c][i];
+    }
 }
 
 }  // namespace helibore

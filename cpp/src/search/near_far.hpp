@@ -26,8 +26,8 @@ namespace helibore {
 
 class NearFar {
   public:
-    explicit NearFar(const Settings& settings);
-    ~NearFar();
+    // `number`: which of the likely covariances it is.
+    NearFar(const Settings& settings, std::size_t number);
 
     // Memory of one worker.
     struct Scratch;
@@ -67,6 +67,27 @@ class NearFar {
     int wanted_;                                  // far neighbours of a group
     std::size_t averaged_;                        // greatest number of samples of one of them
     double max_distance_, max_square_, stretch_;  // stretch_: along / around of the long metric
+    std::size_t number_;
+};
+
+// The mean by the likely covariances, Settings::covariance and other_turns, weighted by their shares.
+class LikelyNearFar {
+  public:
+    explicit LikelyNearFar(const Settings& settings);
+
+    // As those of NearFar.
+    void run(const Samples& samples, const Helix& helix, Index group, Search::Scratch& scratch,
+             GroupResult& result) const;
+    void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                     Search::Scratch& scratch, std::span<const std::span<const double>> channels,
+                     std::span<double* const> out) const;
+
+  private:
+    struct One {
+        double share;
+        NearFar by;
+    };
+    std::vector<One> each_;
 };
 
 }  // namespace helibore

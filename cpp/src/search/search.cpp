@@ -75,7 +75,7 @@ Search::Search(const Settings& settings)
     const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
     toolface_.resize(static_cast<std::size_t>(settings.sectors));
     for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
-    if (settings.estimator == Estimator::near_and_far) near_far_ = std::make_shared<const NearFar>(settings);
+    if (settings.estimator == Estimator::near_and_far) near_far_ = std::make_shared<const LikelyNearFar>(settings);
 }
 
 kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count) const {

@@ -16,6 +16,7 @@
 
 namespace helibore {
 
+class LikelyNearFar;
 class NearFar;
 
 kernel::Rules rules_of(const Settings& settings);
@@ -65,7 +66,7 @@ class Search {
         std::unique_ptr<float[]> across, along;
         std::unique_ptr<kernel::Room> room;
         std::unique_ptr<kernel::KrigingRoom> kriging;
-        std::shared_ptr<void> near_far;  // NearFar::Scratch, made when first needed
+        std::vector<std::shared_ptr<void>> near_far;  // NearFar::Scratch of each covariance, made when first needed
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;
@@ -139,7 +140,7 @@ class Search {
     std::vector<double> toolface_;  // of the vertices of a turn
     kernel::Rules rules_;
     const kernel::Functions* functions_;
-    std::shared_ptr<const NearFar> near_far_;  // with Estimator::near_and_far only
+    std::shared_ptr<const LikelyNearFar> near_far_;  // with Estimator::near_and_far only
 };
 
 }  // namespace helibore

@@ -2,6 +2,7 @@
 #include "helibore/settings.hpp"
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,21 +25,39 @@ void require_within(const char* name, Index value, Index least, Index most) {
             "must lie in " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-void require_covariance(const Settings& settings) {
-    const std::vector<double>& values = settings.covariance;
+// Requires the rules of a covariance, which is a part of a setting from one of its values on.
+void require_covariance(const char* name, std::span<const double> values, std::size_t first) {
     const std::size_t n = values.size();
-    const bool turns = n > 0 && n % 3 == 0;  // the last value is then the turn
-    if (n < 5 || n > 12 || (n % 3 != 2 && !turns))
-        throw InputError("covariance", "must have 5, 8 or 11 values, or a turn as one more", std::to_string(n));
+    const bool turns = n % 3 == 0;  // the last value is then the turn
+    const auto entry = [&](std::size_t i) { return entry_name(name, static_cast<Index>(first + i)); };
     if (turns)
-        require(std::abs(values[n - 1]) <= 3600.0, entry_name("covariance", static_cast<Index>(n) - 1), values[n - 1],
+        require(std::abs(values[n - 1]) <= 3600.0, entry(n - 1), values[n - 1],
                 "must lie in -3600 to 3600 degrees a metre");
     for (std::size_t i = 0; i < n - turns; ++i) {
         const bool square = i == 1 || (i >= 2 && i % 3 == 2);
         const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};
         const double value = i == 6 ? std::abs(values[i]) : values[i];  // below 0: the term repeats after half a turn
-        require(value >= least && value <= most, entry_name("covariance", static_cast<Index>(i)), values[i],
+        require(value >= least && value <= most, entry(i), values[i],
                 square ? "must lie in 1e-14 to 100" : "must lie in 0.0001 to 1000000");
+    }
+}
+
+void require_covariances(const Settings& settings) {
+    const std::vector<double>& values = settings.covariance;
+    const std::vector<double>& others = settings.other_turns;
+    const std::size_t n = values.size(), of_other = 10;
+    if (n < 5 || n > 12 || n % 3 == 1)
+        throw InputError("covariance", "must have 5, 8 or 11 values, or a turn as one more", std::to_string(n));
+    require_covariance("covariance", values, 0);
+    if (others.size() % of_other != 0)
+        throw InputError("other_turns", "must have ten numbers for each turn", std::to_string(others.size()));
+    double rest = 1.0;
+    for (std::size_t i = 0; i < others.size(); i += of_other) {
+        const auto entry = [&](std::size_t at) { return entry_name("other_turns", static_cast<Index>(at)); };
+        rest -= others[i];
+        require(others[i] > 0.0 && rest > 0.0, entry(i), others[i], "must be above 0, and the sum of shares below 1");
+        require(others[i + 1] == values[0], entry(i + 1), others[i + 1], "must be the radius of the covariance");
+        require_covariance("other_turns", std::span(others).subspan(i + 1, of_other - 1), i + 1);
     }
     if (settings.window)
         throw InputError("window", "must not be given with near-and-far", std::to_string(*settings.window));
@@ -76,7 +95,7 @@ void Settings::validate() const {
     require_positive("angular_scale", angular_scale);
     require(angular_scale >= 0.001 && angular_scale <= 1000.0, "angular_scale", angular_scale,
             "must lie in 0.001 to 1000");
-    if (estimator == Estimator::near_and_far) require_covariance(*this);
+    if (estimator == Estimator::near_and_far) require_covariances(*this);
     if (estimator == Estimator::kriging) require_positive("kriging_range", kriging_range);
     require(std::isfinite(nugget) && nugget >= 1e-6, "nugget", nugget, "must be finite and at least 1e-6");
     require_within("most_vertices", most_vertices, 1, largest_count);

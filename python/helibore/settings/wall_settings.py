@@ -110,8 +110,10 @@ class Settings(Declared, group="wall"):
         "around is below 0 repeats after half a turn, as breakouts do: chord = R sin(turned). None: not known.",
     ] = None  # fmt: skip
     other_turns: Annotated[tuple[float, ...] | None, TURNS,
-        "Other turns of the shape that the samples leave about as likely as ``covariance``: for each its share of the "
-        "probability and its covariance, ten numbers. `Wall.sigma` counts with them. 'automatic' finds them.",
+        "Other covariances that the samples leave about as likely as ``covariance``, most with other turns: for each "
+        "its share of the probability and nine values, with the same R, two terms and the turn. The share of "
+        "``covariance`` is the rest. A radius is the mean by all of them, and `Wall.sigma` contains what they differ. "
+        "'automatic' finds them.",
     ] = None  # fmt: skip
     arm_biases: Annotated[tuple[float, ...] | None, BIASES,
         "How much the radii of the tool's arms 0, 1, ... are too large (m). `Wall.append` subtracts it from samples "

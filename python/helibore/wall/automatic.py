@@ -20,10 +20,19 @@ from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.arm_biases import found_biases, without_biases
-from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
-from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, covariance_of, likely_covariances
+from helibore.wall.continuation import spread_gaps
+from helibore.wall.covariance import (
+    FEWEST,
+    Covariance,
+    Likely,
+    Term,
+    content_seed,
+    covariance_of,
+    likely_covariances,
+    other_turns,
+)
 from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
-from helibore.wall.near_and_far import Place, Places, estimate_near_and_far
+from helibore.wall.near_and_far import Place, Places, estimate_near_and_far, estimates_at
 from helibore.wall.tuning import errors_and_gains, tuning_with
 from helibore.wall.uncertainty import with_gaps_of_shape
 
@@ -110,22 +119,17 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     likely = likely_covariances(samples)
     if not likely:
         return Choice(simple, {}, reason="all radii are equal")
-    covariance = likely[0][0]
     if seeks and settings.arm_biases:
-        settings = replace(settings, arm_biases=found_biases(caliper, covariance))
+        settings = replace(settings, arm_biases=found_biases(caliper, likely[0][0]))
         samples = in_depth_order(without_biases(caliper, settings))
-    if leaves_most_unmeasured(samples, settings):
-        others = tuple(value for of, share in likely[1:] for value in (share, *of.values))
-        settings = replace(settings, other_turns=others or None)
-    simple = replace(settings, estimator="inverse-distance", other_turns=None)
-    full, seed = near_and_far(covariance, settings), content_seed(samples)
+    full, seed = near_and_far(likely, settings), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
         if _open_share(boxes) <= MOST_OPEN:
             return _by_samples_left_out(samples, rows, boxes, simple, full, seed)
     places, known = _known_places(samples, full)
-    of_simple = _inverse_distance(samples, covariance, simple, places)
-    of_full = _root(Places(samples, covariance, NEIGHBORS, _limit(full)).estimates(places)[:, 1])
+    of_simple = _root(np.sum([share * _inverse_distance(samples, of, simple, places) for of, share in likely], axis=0))
+    of_full = _root(estimates_at(samples, places, full)[:, 1])
     errors = {"inverse-distance": of_simple, "near-and-far": of_full} if np.isfinite(of_simple + of_full) else {}
     return Choice(full, errors, known)
 
@@ -154,15 +158,15 @@ def _by_samples_left_out(
     return Choice(full if gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
-def near_and_far(covariance: Covariance, settings: Settings) -> Settings:
-    """Return the settings of kriging with near and far neighbours."""
+def near_and_far(likely: Likely, settings: Settings) -> Settings:
+    """Return the settings of kriging with near and far neighbours by likely covariances."""
     reach = settings.max_distance
     if reach == Settings.max_distance:
-        longest = max(term.along for term in covariance.terms)
+        longest = max(term.along for covariance, _ in likely for term in covariance.terms)
         reach = float(np.clip(2.0 * longest, Settings.max_distance or 1.0, _LONGEST))
-    return replace(
-        settings, estimator="near-and-far", covariance=covariance.values, neighbors=NEIGHBORS, max_distance=reach
-    )
+    turns = other_turns(likely)
+    of_likely = replace(settings, covariance=likely[0][0].values, other_turns=turns, max_distance=reach)
+    return replace(of_likely, estimator="near-and-far", neighbors=NEIGHBORS)
 
 
 def _limit(settings: Settings) -> float:
@@ -185,8 +189,8 @@ def _known_places(samples: Columns, settings: Settings) -> tuple[list[Place], fl
     return list(places), known.size / chosen.size
 
 
-def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]) -> float:
-    """Return the expected error of inverse distance at places."""
+def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]) -> Floats:
+    """Return the expected squares of the errors of inverse distance at places."""
     scale = settings.angular_scale
     among = Places(samples, covariance, settings.neighbors, _limit(settings))
     nearest = among.nearest(places, Term(1.0, 1.0 / scale, 1.0), settings.neighbors)
@@ -197,4 +201,4 @@ def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settin
             distance = np.maximum(np.hypot(scale * across, along), 1e-9)
             weights = (distance.min() / distance) ** settings.power
             squares[i] = among.square_error(among.of_rows(rows), weights / weights.sum(), place)
-    return _root(squares)
+    return squares

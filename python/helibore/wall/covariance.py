@@ -26,6 +26,7 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
+from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import Columns, spread
 
 FEWEST = 40
@@ -95,6 +96,10 @@ class Covariance:
         return float(np.clip(max(term.along for term in self.terms), 0.5, FARTHEST_ALIKE))
 
 
+Likely = list[tuple[Covariance, float]]
+"""Covariances, each with its share of the probability, the greatest first."""
+
+
 def _matern(h: Floats) -> Floats:
     found: Floats = (1.0 + _ROOT3 * h) * np.exp(-_ROOT3 * h)
     return found
@@ -117,7 +122,7 @@ def fit_covariance(samples: Columns, turning: bool = True) -> Covariance | None:
     return likely[0][0] if likely else None
 
 
-def likely_covariances(samples: Columns, turning: bool = True) -> list[tuple[Covariance, float]]:
+def likely_covariances(samples: Columns, turning: bool = True) -> Likely:
     """Return the fitted covariance, and those with other turns that the samples leave about as likely, with shares.
 
     As `fit_covariance`, [] for None; the shares are those of probability. Few arms that do not cross leave several
@@ -159,6 +164,20 @@ def covariance_of(values: Sequence[float]) -> Covariance:
     half_turns = len(values) > _LONG_AROUND and values[_LONG_AROUND] < 0.0
     terms = tuple(Term(lengths[i], abs(lengths[i + 1]), lengths[i + 2]) for i in range(0, len(lengths), 3))
     return Covariance(terms, noise, radius, turn, half_turns)
+
+
+def other_turns(likely: Likely) -> tuple[float, ...] | None:
+    """Return the setting ``other_turns`` of a wall, whose covariance is the first of the likely ones."""
+    values = [(share, *of.values, *(() if of.turn else (0.0,))) for of, share in likely[1:]]
+    return tuple(value for of in values for value in of) or None
+
+
+def likely_by(settings: Settings) -> Likely:
+    """Return the covariances that the settings of a wall leave likely, with their shares; that of the wall first."""
+    others = np.reshape(settings.other_turns or (), (-1, 10)).tolist()
+    shares = [1.0 - sum(share for share, *_ in others), *(share for share, *_ in others)]
+    covariances = [settings.covariance or (), *(values for _, *values in others)]
+    return [(covariance_of(values), share) for values, share in zip(covariances, shares, strict=True)]
 
 
 def choose_blocks(depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator) -> Integers:

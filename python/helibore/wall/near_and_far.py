@@ -16,7 +16,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import Covariance, Term, covariance_of
+from helibore.wall.covariance import Covariance, Term, likely_by
 from helibore.wall.estimates import Boxes, Columns, in_core
 
 SHARE, SMALL_SHARE = 0.35, 0.25
@@ -189,7 +189,16 @@ def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, 
     Returns the radii (m) and their kriging variances (m^2), (m, 2); NaN where there is no neighbour. Without boxes,
     only samples at the same position are left out.
     """
-    limit = np.inf if settings.max_distance is None else settings.max_distance
-    among = Places(samples, covariance_of(settings.covariance or ()), settings.neighbors, limit)
     places = list(zip(samples[0][rows].tolist(), samples[1][rows].tolist(), strict=True))
-    return among.estimates(places, box or (np.zeros(rows.size), np.zeros(rows.size)))
+    return estimates_at(samples, places, settings, box or (np.zeros(rows.size), np.zeros(rows.size)))
+
+
+def estimates_at(samples: Columns, places: Sequence[Place], settings: Settings, boxes: Boxes | None = None) -> Floats:
+    """Return the radius at each place (m) and its variance (m^2) by all likely covariances, (m, 2)."""
+    limit = np.inf if settings.max_distance is None else settings.max_distance
+    likely = likely_by(settings)
+    found = [Places(samples, of, settings.neighbors, limit).estimates(places, boxes) for of, _ in likely]
+    radius, variance = np.moveaxis(np.array(found), 2, 0)
+    shares = np.array([share for _, share in likely])
+    mean = shares @ radius
+    return np.column_stack([mean, shares @ (variance + (radius - mean) ** 2)])

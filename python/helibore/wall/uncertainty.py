@@ -19,8 +19,8 @@ With near and far neighbours, sigma is that of the covariance instead: the krigi
 square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples; if the arms of the samples are
 known, plus what their biases add (`helibore.wall.arm_biases`). If most samples have no other one within 0.1 m, they do
 not tell noise from a rough wall between them: half of the noise then counts as roughness, with the kriging variance. If
-the samples of few arms leave several turns of the shape along the hole about as likely, sigma^2 is the mean square,
-over all of them, of what they give less the wall. There, a gap of the turn is measured within the greatest length of
+the samples of few arms leave several turns of the shape along the hole about as likely, the kriging variance is the
+expected square about the mean of their walls. There, a gap of the turn is measured within the greatest length of
 the covariance along the hole (0.5 to 15 m) above and below the vertex, unless within that length the samples lie as
 those of one to three arms: these cannot show how the shape changes around the hole. A gap that is wider than the length
 of the long term around the hole (two thirds of it if the term repeats after half a turn) may hide a shape, unless the
@@ -114,7 +114,7 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     from helibore.wall.covariance import covariance_of
 
     covariance, factor = covariance_of(wall.settings.covariance or ()), near_and_far_factor(samples, wall.settings)
-    variance = _with_other_turns(wall, factor**2 * wall.sums[0], threads)
+    variance = factor**2 * wall.sums[0]
     if _far_apart(samples, covariance.radius):
         variance += factor**2 * _ROUGHNESS * covariance.noise
     remaining = remaining_products(samples, wall.arms, wall.settings)
@@ -153,21 +153,6 @@ def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:
     reach = covariance.gap_reach if shows_around(samples, covariance.gap_reach) else settings.gap_reach
     most = settings.largest_gap if covariance.turn else min(settings.largest_gap, around)
     return replace(settings, gap_reach=reach, largest_gap=most)
-
-
-def _with_other_turns(wall: WallColumns, variance: Floats, threads: int) -> Floats:
-    """Return the variance of the radii about those of a wall if its shape may as well have other turns.
-
-    Each of these gives a wall.
-    """
-    others = np.reshape(wall.settings.other_turns or (), (-1, 10))
-    total: Floats = (1.0 - others[:, 0].sum()) * variance
-    for share, *covariance in others.tolist():
-        settings = replace(wall.settings, covariance=tuple(covariance), sigma=True, direct=False)
-        other = _core.Wall(vars(settings), threads, "automatic")
-        other.append(*wall.sample_columns)
-        total += share * (np.square(other.radius() - wall.radius) + other.sums()[0])
-    return total
 
 
 def arm_sigma(wall: WallColumns) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ TURNING = (*TWO, 12.5)
 NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4)
 NOISY_TURNING = (0.11, 8e-6, 2e-6, 0.03, 0.06, 1e-5, 0.1, 3.0, 40.0)
 REPEATING = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, -0.1, 1.5)
+OTHERS = (0.3, *TURNING, 0.2, *REPEATING, -20.0, 0.1, *NOISY, 0.0)
 
 
 def near_and_far(columns: tuple[Floats, ...], **settings: Any) -> hb.Wall:
@@ -40,11 +42,21 @@ def cells_of(depth: Floats, toolface: Floats, radius: float, size: tuple[float, 
 
 
 def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats]:
+    """Radius, variance and number of neighbours of each vertex, by all likely covariances."""
+    assert wall.settings.covariance is not None
+    others = np.reshape(wall.settings.other_turns or (), (-1, 10)).tolist()
+    shares = np.array([1.0 - sum(share for share, *_ in others), *(share for share, *_ in others)])
+    each = [by_one(columns, wall, of) for of in (wall.settings.covariance, *(values for _, *values in others))]
+    radius = sum(share * of[0] for share, of in zip(shares, each, strict=True))
+    variance = sum(share * (of[1] + (of[0] - radius) ** 2) for share, of in zip(shares, each, strict=True))
+    return np.asarray(radius), np.asarray(variance), each[0][2]
+
+
+def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -> tuple[Floats, Floats, Floats]:
     """Radius, variance and number of neighbours of each vertex, from all samples and by the bordered system."""
     depth, toolface, radius = (column[np.lexsort(columns[1::-1])] for column in columns)
     settings = wall.settings
-    assert settings.covariance is not None
-    at, noise, *values = settings.covariance
+    at, noise, *values = given
     turns = values.pop() if len(values) % 3 else 0.0
     repeats = len(values) > 3 and values[4] < 0.0
     terms = [(values[i], abs(values[i + 1]), values[i + 2]) for i in range(0, len(values), 3)]
@@ -139,6 +151,8 @@ CASES: list[dict[str, Any]] = [
     {"shape": "oval", "n": 900, "length": 9.0, "covariance": REPEATING, "max_distance": 5.0},
     {"shape": "broken", "n": 500, "length": 5.0, "covariance": (*REPEATING, 12.5), "max_distance": 0.3},
     {"shape": "oval", "n": 300, "length": 5.0, "covariance": (*REPEATING, 1e-6, 0.01, 0.02), "neighbors": 21},
+    {"shape": "broken", "n": 900, "length": 6.0, "other_turns": OTHERS, "max_distance": 2.0},
+    {"shape": "oval", "n": 5000, "length": 4.0, "covariance": (*THREE, 3.0), "other_turns": OTHERS[:10]},
 ]
 
 
@@ -158,7 +172,7 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
 SPLITS += [{"covariance": TURNING, "max_distance": 3.0}, {"covariance": REPEATING, "max_distance": 3.0}]
-SPLITS += [{"covariance": NOISY}, {"covariance": NOISY_TURNING}]
+SPLITS += [{"covariance": NOISY}, {"covariance": NOISY_TURNING}, {"other_turns": OTHERS, "max_distance": 2.0}]
 
 
 @pytest.mark.parametrize("settings", SPLITS, ids=str)
@@ -183,7 +197,7 @@ def test_any_split_threads_and_instructions_give_the_same_bits(settings: dict[st
             told[start:stop] = True
         assert not np.any(changed & ~told)
         before = now
-    for name in ("radius", "nearest", "support"):
+    for name in ("radius", "nearest", "support", "sigma"):
         np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
 
 
@@ -201,17 +215,18 @@ def test_nothing_above_settled_changes_while_the_hole_gets_deeper() -> None:
     assert settled > len(wall) / 2
 
 
-def test_samples_within_reach_decide_a_stretch() -> None:
+@pytest.mark.parametrize("others", [None, OTHERS], ids=["one", "likely"])
+def test_samples_within_reach_decide_a_stretch(others: tuple[float, ...] | None) -> None:
     columns = random_hole(10, "round", 1500, 12.0)
     start = float(columns[0].min())
-    wall = near_and_far(columns, start_depth=start, max_distance=2.0)
+    wall = near_and_far(columns, start_depth=start, max_distance=2.0, other_turns=others)
     first, stop = 420, 600  # 420: within a group of eight
     shallow, deep = wall.reach(first, stop)
     some = (columns[0] >= shallow) & (columns[0] <= deep)
     assert some.mean() < 0.9
     part = near_and_far(
         tuple(column[some] for column in columns), start_depth=start, max_distance=2.0, first_vertex=first,
-        stop_vertex=stop,
+        stop_vertex=stop, other_turns=others,
     )  # fmt: skip
     np.testing.assert_array_equal(part.radius, wall.radius[first:stop])
 
@@ -238,10 +253,12 @@ def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str,
     assert np.all(constant.radius == 0.1234567)
 
 
-@pytest.mark.parametrize("covariance", [TWO, NOISY], ids=["samples", "means"])
-def test_values_carried_with_the_samples_are_kriged_like_the_radius(covariance: tuple[float, ...]) -> None:
+@pytest.mark.parametrize(
+    "settings", [{}, {"covariance": NOISY}, {"other_turns": OTHERS}], ids=["samples", "means", "likely"]
+)
+def test_values_carried_with_the_samples_are_kriged_like_the_radius(settings: dict[str, Any]) -> None:
     columns = random_hole(11, "oval", 3000, 4.0)
-    wall = near_and_far(columns, covariance=covariance)
+    wall = near_and_far(columns, **settings)
     again = wall.interpolate_samples(wall.samples.radius, on="vertices")
     np.testing.assert_allclose(again, wall.radius, rtol=0, atol=1e-12)
     values = wall.samples.radius.copy()
@@ -265,6 +282,18 @@ BAD = [
     ({"covariance": (*ONE, -4000.0)}, "covariance[5] = -4000: must lie in -3600 to 3600 degrees a metre"),
     ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),
     ({"covariance": ONE, "window": 5}, "window = 5: must not be given with near-and-far"),
+    (
+        {"covariance": TWO, "other_turns": (0.5, *TURNING, 0.5, *TURNING)},
+        "other_turns[10] = 0.5: must be above 0, and the sum of shares below 1",
+    ),
+    (
+        {"covariance": ONE, "other_turns": (0.5, *TURNING)},
+        "other_turns[1] = 0.11: must be the radius of the covariance",
+    ),
+    (
+        {"covariance": TWO, "other_turns": (0.2, *TURNING, 0.2, *TWO[:5], -1.0, *TURNING[6:])},
+        "other_turns[16] = -1: must lie in 1e-14 to 100",
+    ),
     ({}, "covariance = 0: must have 5, 8 or 11 values, or a turn as one more"),
 ]
 
