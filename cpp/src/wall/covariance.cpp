@@ -49,8 +49,17 @@ constexpr double small_half_gain = 0.5, great_half_gain = 2.0;
 // turn, and above turns that differ by `other_turn`; a fast one also above all slow ones. In one block of all samples,
 // where chance may gain as much, it must be `great_gain`.
 constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, small_gain = 2.5, great_gain = 10.0;
-constexpr double usual_turn = 4.0;  // degrees a metre: a shape that turns by so much more is 1 / e as likely
+constexpr double usual_turn = 6.0;       // degrees a metre: a shape that turns by so much more is 1 / e as likely
+constexpr double evidence = 2.0;         // nats for one nat a block, where there are several: all samples show more
+constexpr double smallest_share = 0.02;  // of the probability, of a place that counts
+
+struct Turns {
+    double from, to, step;          // degrees a metre
+    std::span<const double> along;  // lengths along the hole that are tried
+};
+
 constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
+constexpr Turns slowly{-slow, slow, 1.0, slow_along};
 constexpr std::size_t most_peaks = 6;  // that are climbed
 constexpr std::size_t long_along = 5;  // index of the length along the hole of the long term
 constexpr double least_share = 0.7;    // of the spacing of samples: the long term along the hole
@@ -72,6 +81,11 @@ struct Limits {
         for (std::size_t i = 0; i < most; ++i) at[i] = std::clamp(at[i], low[i], high[i]);
         return at;
     }
+    Parameters from(const double (&values)[few]) const {
+        Parameters at = low;
+        for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(values[p]);
+        return clipped(at);
+    }
 };
 
 struct Place {
@@ -80,20 +94,14 @@ struct Place {
     double value = never;  // log-likelihood with the prior, nats a block
     double turn = 0.0;     // degrees a metre
     bool half_turns = false;
-};
-
-struct Turns {
-    double from, to, step;          // degrees a metre
-    std::span<const double> along;  // lengths along the hole that are tried
+    double share = 1.0;  // of the probability
 };
 
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
-    Place best(double spacing, double least_turn);
-    // After best(), if that found no turn: it, and the places with turns that are about as likely, by half of the
-    // blocks.
-    const std::vector<Place>& likely() const { return likely_; }
+    // Returns the likeliest place; others follow if the samples leave them about as likely.
+    std::vector<Place> likely(double spacing, double least_turn);
 
   private:
     double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
@@ -102,8 +110,12 @@ class Fit {
     Place near_turn(const Place& start, const Limits& limits, double step, std::size_t nth);
     Place at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth);
     std::vector<Place> peaks(const Parameters& at, Turns turns, const Limits& limits);
-    Place with_turn(const Place& found, const Limits& limits, double least_turn);
+    std::vector<Place> peaks(const Parameters& one, Turns turns, const Parameters& other, Turns others,
+                             const Limits& limits);
+    Parameters widened(Parameters at) const;
+    Place with_turn(const Place& found, const Limits& limits, double least_turn, std::vector<Place>& others);
     Place with_half_turns(const Place& found, const Limits& limits);
+    std::vector<Place> shared(const Place& first, std::vector<Place> others, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
     double row_spacing() const;
     void turn_by(double turn);
@@ -114,7 +126,6 @@ class Fit {
     std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
     std::vector<double> toolface_;
     kernel::BlockRoom parts_;
-    std::vector<Place> likely_;
     bool half_turns_ = false;  // whether the long term repeats after half a turn
     Parameters slope_;         // of the last evaluation with slopes
     Matrix curvature_;         // expected second derivatives with the other sign
@@ -336,25 +347,32 @@ double Fit::row_spacing() const {
     return least;
 }
 
+// Returns the peaks of two ranges of turns together.
+std::vector<Place> Fit::peaks(const Parameters& one, Turns turns, const Parameters& other, Turns others,
+                              const Limits& limits) {
+    std::vector<Place> found = peaks(one, turns, limits);
+    for (const Place& each : peaks(other, others, limits)) found.push_back(each);
+    return found;
+}
+
+// Returns parameters for a wide shape, from which a turn is sought.
+Parameters Fit::widened(Parameters at) const {
+    at[long_along - 1] = logarithm(2.0 * radius_);
+    at[noise] = std::max(at[noise], at[long_along - 2] + logarithm(0.02));
+    return at;
+}
+
 // Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
-// whereto. The positions are then turned so.
-Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn) {
-    Parameters wide = found.at;
-    wide[long_along - 1] = logarithm(2.0 * radius_);
-    wide[noise] = std::max(wide[noise], wide[long_along - 2] + logarithm(0.02));
-    const auto both = [&](const Parameters& one, Turns turns, const Parameters& other, Turns others) {
-        std::vector<Place> found_peaks = peaks(one, turns, limits);
-        for (const Place& each : peaks(other, others, limits)) found_peaks.push_back(each);
-        return found_peaks;
-    };
-    const Turns slowly{-slow, slow, 1.0, slow_along};
-    std::vector<Place> likely = both(found.at, slowly, wide, slowly);
+// whereto. The positions are then turned so. `others` become the places with turns that are about as likely.
+Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn, std::vector<Place>& others) {
+    const Parameters wide = widened(found.at);
+    std::vector<Place> likely = peaks(found.at, slowly, wide, slowly, limits);
     if (likely.empty()) return found;
     Place best = *std::ranges::max_element(likely, {}, &Place::value);
     // Rows of arms cannot tell an oval that turns by half a turn from one row to the next from one that does not turn.
     const double fastest = std::min(fast, 90.0 / row_spacing());
     const std::vector<Place> spirals =
-        both(wide, {-fastest, -slow, fast_step, fast_along}, wide, {slow, fastest, fast_step, fast_along});
+        peaks(wide, {-fastest, -slow, fast_step, fast_along}, wide, {slow, fastest, fast_step, fast_along}, limits);
     const double gain = blocks_ > 1 ? small_gain : great_gain;
     const auto spiral = std::ranges::max_element(spirals, {}, &Place::value);
     if (spiral != spirals.end() && spiral->value > best.value + gain) {
@@ -374,19 +392,10 @@ Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn
     }
     if (!turns) {
         turn_by(0.0);
-        Place unturned = found;
-        unturned.value = evaluate(found.at, few, 2, false);
-        const double least = std::max(unturned.value, best.value) - gain;
-        likely_ = {unturned};
-        std::ranges::sort(likely, std::greater{}, &Place::value);
-        for (const Place& each : likely) {
-            const auto near = std::ranges::find_if(
-                likely_, [&](const Place& of) { return std::abs(each.turn - of.turn) < other_turn; });
-            if (near != likely_.end())
-                near->value = std::max(near->value, each.value);
-            else if (each.value > least)
-                likely_.push_back(each);
-        }
+        const double least = std::max(evaluate(found.at, few, 2, false), best.value) - gain;
+        std::erase_if(likely, [&](const Place& each) { return each.value <= least; });
+        if (std::ranges::any_of(likely, [](const Place& each) { return std::abs(each.turn) >= other_turn; }))
+            others = std::move(likely);
         return found;
     }
     turn_by(0.0);
@@ -404,9 +413,7 @@ Place Fit::with_half_turns(const Place& found, const Limits& limits) {
     const double gain = blocks_ > 1 ? small_half_gain : great_half_gain, before = evaluate(found.at, few, 4, false);
     half_turns_ = true;
     Place half = climb(found.at, few, limits, 4, 8);
-    Parameters at = found.at;
-    for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(half_start[p]);
-    const Place other = climb(limits.clipped(at), few, limits, 4, 8);
+    const Place other = climb(limits.from(half_start), few, limits, 4, 8);
     if (other.value > half.value) half = other;
     if (half.value > before + gain) {
         half = climb(half.at, few, limits, 1, 20);
@@ -439,19 +446,55 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
     return fine;
 }
 
+// Returns the place found and others with their shares of the probability, the likeliest first; the positions are then
+// turned as its shape. Of the others, those that repeat after half a turn are sought here.
+std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others, const Limits& limits) {
+    std::vector<Place> found{first};
+    found[0].value = evaluate(first.at, few, 2, false);
+    half_turns_ = true;
+    for (Place& each : peaks(widened(first.at), slowly, limits.from(half_start), slowly, limits)) {
+        each.half_turns = true;
+        others.push_back(each);
+    }
+    std::ranges::stable_sort(others, std::greater{}, &Place::value);
+    for (const Place& each : others) {
+        const auto near = std::ranges::find_if(found, [&](const Place& of) {
+            return each.half_turns == of.half_turns && std::abs(each.turn - of.turn) < other_turn;
+        });
+        if (near == found.end())
+            found.push_back(each);
+        else
+            near->value = std::max(near->value, each.value);
+    }
+    const double greatest = std::ranges::max_element(found, {}, &Place::value)->value;
+    const double nats = blocks_ > 1 ? evidence : 1.0;
+    double sum = 0.0;
+    for (Place& each : found)
+        sum += each.share = exponential(nats * (each.value - greatest) - std::abs(each.turn) / usual_turn);
+    std::erase_if(found, [&](const Place& each) { return each.share < smallest_share * sum; });
+    std::ranges::stable_sort(found, std::greater{}, &Place::share);
+    sum = 0.0;
+    for (const Place& each : found) sum += each.share;
+    for (Place& each : found) each.share /= sum;
+    Place& best = found[0];
+    half_turns_ = best.half_turns;
+    turn_by(best.turn);
+    const Place climbed = climb(best.at, few, limits, 1, 20);
+    best.at = climbed.at, best.value = climbed.value;
+    return found;
+}
+
 // Returns the likeliest of what is climbed to from the starts, by half of the blocks.
 Place Fit::likeliest_start(const Limits& limits) {
     Place best{limits.high, few};
     for (const auto& values : starts) {
-        Parameters at = limits.low;
-        for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(values[p]);
-        const Place found = climb(limits.clipped(at), few, limits, 2, 8);
+        const Place found = climb(limits.from(values), few, limits, 2, 8);
         if (found.value > best.value) best = found;
     }
     return best;
 }
 
-Place Fit::best(double spacing, double least_turn) {
+std::vector<Place> Fit::likely(double spacing, double least_turn) {
     const double r = radius_;
     Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
                    1e-12, 0.003, 0.006},
@@ -461,10 +504,14 @@ Place Fit::best(double spacing, double least_turn) {
         limits.high[p] = logarithm(limits.high[p]);
     }
     const Place unturned = climb(likeliest_start(limits).at, few, limits, 1, 20);
-    if (least_turn == std::numeric_limits<double>::infinity()) return unturned;
-    const Place turned = with_turn(unturned, limits, least_turn);
-    const Place two = with_half_turns(turned, limits), three = with_fine(two, limits);
-    return three.value > two.value + fine_gain ? three : two;
+    if (least_turn == std::numeric_limits<double>::infinity()) return {unturned};
+    std::vector<Place> others;
+    std::vector<Place> found{with_half_turns(with_turn(unturned, limits, least_turn, others), limits)};
+    if (!others.empty()) found = shared(found[0], others, limits);
+    Place& best = found[0];
+    const Place three = with_fine(best, limits);
+    if (three.value > best.value + fine_gain) best = three;
+    return found;
 }
 
 }  // namespace
@@ -482,23 +529,15 @@ std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
-    std::vector<Place> places{fit.best(spacing, least_turn)};
-    if (fit.likely().size() > 1) places.insert(places.end(), fit.likely().begin() + 1, fit.likely().end());
     std::vector<LikelyCovariance> found;
-    double shares = 0.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const Place& of = places[i];
+    for (const Place& of : fit.likely(spacing, least_turn)) {
         std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
         for (std::size_t p = 0; p < of.count; ++p)
             if (p != noise)
                 values.push_back((of.half_turns && p == long_along - 1 ? -1.0 : 1.0) * rounded(exponential(of.at[p])));
         if (of.turn != 0.0) values.push_back(of.turn);
-        found.push_back(
-            {std::move(values),
-             i == 0 ? 1.0 : exponential(of.value - fit.likely()[0].value - std::abs(of.turn) / usual_turn)});
-        shares += found.back().share;
+        found.push_back({std::move(values), of.share});
     }
-    for (LikelyCovariance& of : found) of.share /= shares;
     return found;
 }
 
