@@ -429,7 +429,7 @@ def test_what_a_wall_without_a_survey_cannot_know_is_not_shown(browser: Any) -> 
         assert not {"TVD m", "N", "U", "up"} & set(texts)
         assert any(text.startswith("no survey: drawn vertical") for text in texts)
         said = screen.readout()
-        assert (said["TVD"], said["From high side / north"]) == ("–", "– / –")
+        assert (said["TVD"], said["From high side / azimuth"]) == ("–", "– / –")
         assert said["Toolface"].endswith("°")
         screen.close()
 

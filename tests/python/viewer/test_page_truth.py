@@ -158,7 +158,7 @@ def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, referenc
         assert "assumed" in texts, "beside the letters"
         assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").startswith("-".join(sides))
         assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").endswith("(assumed)")
-        assert "From high side / north, assumed" in screen.readout()
+        assert "From high side / azimuth, assumed" in screen.readout()
         screen.close()
 
 

@@ -3,6 +3,7 @@
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { sized } from './device.js';
 import { byId, options, say, write } from './dom.js';
+import { wrap360 } from './helix.js';
 import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
@@ -145,9 +146,8 @@ export function readout({ store, view, path, vertex }) {
   const { cursor, units } = view;
   const depth = cursor?.depth ?? view.middle;
   const tvd = path.tvd(depth);
-  const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
-  /** @param {number | null} zero */
-  const around = (zero) => (zero === null || typeof cursor?.toolface !== 'number' ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
+  const toolface = cursor?.toolface ?? NaN;
+  const angles = [wrap360(toolface - (path.dial(depth).up ?? NaN)), path.azimuth(depth, toolface)].map((angle) => showAngle(angle));
   const { state = 0 } = vertex ?? {};
   /** @type {[number, string][]} */
   const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
@@ -155,8 +155,8 @@ export function readout({ store, view, path, vertex }) {
   return [
     ['MD', showDepth(depth, units)],
     ['TVD', (Number.isNaN(tvd) && path.whyNoTvd(depth)) || showDepth(tvd, units)],
-    ['Toolface', showAngle(cursor?.toolface ?? NaN)],
-    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
+    ['Toolface', showAngle(toolface)],
+    [`From high side / azimuth${path.assumed ? ', assumed' : ''}`, angles.join(' / ')],
     ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
       ['Radius', vertex ? showLength(vertex.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
       ...(state >> 12 ? [['Radius, 95 %', `± ${showLength(uncertaintyOf(state), units, units === 'mm' ? 1 : 2)}`]] : []),
