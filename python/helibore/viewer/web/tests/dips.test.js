@@ -564,7 +564,7 @@ test('the azimuth of a breakout is that of its direction, not its angle from nor
   near(made.azimuth(1010, 50), Math.atan2(east, north) / RAD, 1e-4);
   assert.equal(axisOf(made, 1010, 230), '120° / 300°');
   assert.ok(95 - made.dial(1010).north - made.azimuth(1010, 95) > 6, 'they differ');
-  const row = readout({ store: { basis: 'gauge', start: 0 }, view: { cursor: { depth: 1010, toolface: 95 }, units: 'mm' }, path: made, vertex: null }).find(([name]) => name === 'From high side / azimuth');
+  const row = readout({ store: { basis: 'gauge', attributes: [] }, view: { cursor: { depth: 1010, toolface: 95 }, units: 'mm' }, path: made, vertex: null }).find(([name]) => name === 'From high side / azimuth');
   assert.equal(row[1], `95.0° / ${made.azimuth(1010, 95).toFixed(1)}°`, 'the read-out says the same');
   assert.ok(Number.isNaN(path(90, 63).azimuth(1010, 0)), 'straight up');
   const unsurveyed = new Path(1000, 0.5, 'north');
