@@ -60,10 +60,11 @@ struct Turns {
 
 constexpr double slow_along[] = {5.0, 20.0, 100.0}, fast_along[] = {2.0};
 constexpr Turns slowly{-slow, slow, 1.0, slow_along};
-constexpr std::size_t most_peaks = 6;  // that are climbed
-constexpr std::size_t long_along = 5;  // index of the length along the hole of the long term
-constexpr double least_share = 0.7;    // of the spacing of samples: the long term along the hole
-constexpr double enough = 0.003;       // nats a block; a smaller gain ends the search
+constexpr std::size_t most_peaks = 6;    // that are climbed
+constexpr double likely_enough = 100.0;  // nats a block below the highest peak: a lower one is not climbed
+constexpr std::size_t long_along = 5;    // index of the length along the hole of the long term
+constexpr double least_share = 0.7;      // of the spacing of samples: the long term along the hole
+constexpr double enough = 0.003;         // nats a block; a smaller gain ends the search
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -327,6 +328,8 @@ std::vector<Place> Fit::peaks(const Parameters& at, Turns turns, const Limits& l
             found.push_back(tried[i]);
     std::ranges::sort(found, std::greater{}, &Place::value);
     found.resize(std::min(found.size(), most_peaks));
+    const double highest = found.empty() ? never : found.front().value;
+    std::erase_if(found, [&](const Place& each) { return each.value < highest - likely_enough; });
     for (Place& each : found) each = near_turn(each, limits, turns.step / 2.0, 2);
     return found;
 }

@@ -71,10 +71,10 @@ class Covariance:
         """Return the covariance of two radii, m^2; ``turn`` (deg) and ``along`` (m) are differences of position."""
         turned = np.radians(turn - self.turn * along)
         total = np.zeros(np.broadcast(turn, along).shape)
+        chord = 2.0 * self.radius * np.sin(turned / 2.0)
         for number, term in enumerate(self.terms):
-            repeats = 2.0 if number == 1 and self.half_turns else 1.0
-            chord = 2.0 * self.radius / repeats * np.sin(repeats * turned / 2.0)
-            total += term.variance * _matern(np.sqrt((chord / term.around) ** 2 + (along / term.along) ** 2))
+            across = self.radius * np.sin(turned) if number == 1 and self.half_turns else chord
+            total += term.variance * _matern(np.sqrt((across / term.around) ** 2 + (along / term.along) ** 2))
         return total
 
     @property

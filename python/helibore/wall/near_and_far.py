@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, distinct
+from helibore.base.arrays import Floats, Integers, Mask, distinct
 from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term, likely_by
@@ -52,6 +52,8 @@ class Places:
         noisy = covariance.noise > _LARGE_NOISE * self._long.variance
         self._share, self._averaged = (SMALL_SHARE, _MOST_AVERAGED) if noisy else (SHARE, 1)
         self._wanted = (3 * count + 1) // 2 if noisy else count
+        self._height = self._share * self._long.along
+        self._cells = (-1, -1), np.empty(0, np.int64), np.empty(0, np.int64)  # what _by_cells() returned last
 
     def nearest(self, places: Sequence[Place], term: Term, count: int, boxes: Boxes | None = None) -> list[Integers]:
         """Return the rows of the nearest samples of each place by the lengths of a term, outside its box."""
@@ -90,32 +92,39 @@ class Places:
         return found
 
     def _used(self, rows: Integers, place: Place, box: Sequence[float]) -> Integers:
-        rows, (depth, toolface, _) = self._outside(rows, place, box), self.samples
+        rows, (depth, toolface, _) = rows[self._outside(rows, place, box)], self.samples
         distance = np.hypot(depth[rows] - place[0], self.across(toolface[rows], place[1]))
         return rows[distance <= self.max_distance]
 
-    def _outside(self, rows: Integers, place: Place, box: Sequence[float]) -> Integers:
-        if box[0] < 0:
-            return rows
+    def _outside(self, rows: Integers, place: Place, box: Sequence[float]) -> Mask:
         depth, toolface, _ = self.samples
         turn = np.abs(toolface[rows] - place[1])
         turn = np.minimum(turn, 360.0 - turn)
-        return rows[(np.abs(depth[rows] - place[0]) > box[0]) | (turn > box[1])]
+        return (np.abs(depth[rows] - place[0]) > box[0]) | (turn > box[1])
+
+    def _by_cells(self, first: float, last: float) -> tuple[Integers, Integers]:
+        """Return the rows of samples between two depths, in order of their cells, and the cells."""
+        depth, toolface, _ = self.samples
+        start, stop = np.searchsorted(depth, [first, last]).tolist()
+        if self._cells[0] != (start, stop):
+            rows = np.arange(start, stop, 1 + (stop - start) // _MOST_FAR)
+            around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (self._share * self._long.around)))
+            turned = (toolface[rows] - self.covariance.turn * depth[rows]) % 360.0
+            column = np.minimum((turned * (around / 360.0)).astype(np.int64), around - 1)
+            cell = np.floor((depth[rows] - first) / self._height).astype(np.int64) * around + column
+            order = np.argsort(cell, kind="stable")
+            self._cells = (start, stop), rows[order], cell[order]
+        return self._cells[1:]
 
     def _far(self, place: Place, box: Sequence[float], near: Integers) -> Neighbours:
         depth, toolface, radius = self.samples
-        height = self._share * self._long.along
-        around = int(np.ceil(2.0 * np.pi * self.covariance.radius / (self._share * self._long.around)))
         half = min(self.max_distance, 1.5 * self._long.along + max(box[0], 0.0))
-        first, last = np.floor((place[0] - half) / height) * height, np.ceil((place[0] + half) / height) * height
-        start, stop = np.searchsorted(depth, [first, last])
-        rows = self._outside(np.arange(start, stop, 1 + (stop - start) // _MOST_FAR), place, box)
-        rows = rows[~np.isin(rows, near)]
-        turned = (toolface[rows] - self.covariance.turn * depth[rows]) % 360.0
-        column = np.minimum((turned * (around / 360.0)).astype(np.int64), around - 1)
-        cell = np.floor((depth[rows] - first) / height).astype(np.int64) * around + column
-        order = np.argsort(cell, kind="stable")
-        rows, starts = rows[order], np.flatnonzero(np.diff(cell[order], prepend=-1))
+        first, last = np.floor((place[0] - half) / self._height), np.ceil((place[0] + half) / self._height)
+        rows, cell = self._by_cells(first * self._height, last * self._height)
+        free = self._outside(rows, place, box)
+        free[np.isin(rows, near)] = False
+        rows, cell = rows[free], cell[free]
+        starts = np.flatnonzero(np.diff(cell, prepend=-1))
         stops = np.minimum(np.append(starts[1:], rows.size), starts + self._averaged)
         leads = rows[starts]
         along = depth[leads] - place[0]

@@ -52,49 +52,68 @@ inline void sum_of_rows(int size, const double* weight, int step, const double* 
     }
 }
 
-// Fills the matrix K, then 1 and the radii, then the unit matrix if there are slopes; and the derivatives of K.
+// The squares of the distances of eight pairs, around and along the hole in one term, and the root of their sum.
+template <class P>
+struct PairDistances {
+    P around, along, whole;
+};
+
+// Fills the matrix K, then 1 and the radii, then the unit matrix if there are slopes; and the derivatives of K. As in
+// near_far.hpp, a pack is computed from its square roots while those of the next one are taken.
 template <class P, int terms, bool half_turns, bool slopes>
 __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRule& rule, const BlockRoom& room) {
     const int n = block.n, size = block.size, length = 2 * size + lanes;
     double total = rule.noise;
     for (int t = 0; t < terms; ++t) total += rule.variance[t];
-    for (int i = 0; i < size; ++i) {
-        double* row = room.rows + i * length;
-        std::fill_n(row, length, 0.0);
-        if (slopes) row[size + lanes + i] = 1.0;
-        if (slopes)
-            for (int p = 0; p < 3 * terms; ++p) std::fill_n(room.parts[p] + i * size, size, 0.0);
-        if (i >= n) {
-            row[i] = 1.0;
-            continue;
+    constexpr std::size_t most = max_terms;
+    PairDistances<P> before[most] = {};
+    int row_before = 0, column_before = 0;  // the first pack is written twice
+    const auto finish = [&] {
+        const int to = row_before * size + column_before;
+        P sum(0.0);
+#pragma GCC unroll 3
+        for (int t = 0; t < terms; ++t) {
+            const P e = P(rule.variance[t]) * decay(before[t].whole), part = e * (P(1.0) + before[t].whole);
+            sum = sum + part;
+            if constexpr (slopes) {
+                part.store(room.parts[3 * t] + to);
+                (e * before[t].around).store(room.parts[3 * t + 1] + to);
+                (e * before[t].along).store(room.parts[3 * t + 2] + to);
+            }
         }
+        sum.store(room.rows + row_before * length + column_before);
+    };
+    for (int i = 0; i < n; ++i) {
         const P s(block.sine[i]), c(block.cosine[i]), z(block.along[i]);
         for (int j = slopes ? 0 : i / lanes * lanes; j < n; j += lanes) {
             const P between = s * P::load(block.cosine + j) - c * P::load(block.sine + j);
             const P along = z - P::load(block.along + j);
             const P around_square = between * between, along_square = along * along;
-            P sum(0.0);
+            PairDistances<P> found[most];
 #pragma GCC unroll 3
             for (int t = 0; t < terms; ++t) {
-                const P of_around = square_of_chord<P, half_turns>(t, around_square) * P(rule.around[t]);
-                const P of_along = along_square * P(rule.along[t]);
-                const P a = P::sqrt(of_around + of_along), e = P(rule.variance[t]) * decay(a);
-                const P part = e * (P(1.0) + a);
-                sum = sum + part;
-                if constexpr (slopes) {
-                    part.store(room.parts[3 * t] + i * size + j);
-                    (e * of_around).store(room.parts[3 * t + 1] + i * size + j);
-                    (e * of_along).store(room.parts[3 * t + 2] + i * size + j);
-                }
+                found[t].around = square_of_chord<P, half_turns>(t, around_square) * P(rule.around[t]);
+                found[t].along = along_square * P(rule.along[t]);
+                found[t].whole = P::sqrt(found[t].around + found[t].along);
             }
-            sum.store(row + j);
+            finish();
+#pragma GCC unroll 3
+            for (int t = 0; t < terms; ++t) before[t] = found[t];
+            row_before = i;
+            column_before = j;
         }
-        std::fill_n(row + n, size - n, 0.0);
-        if (slopes)
-            for (int p = 0; p < 3 * terms; ++p) std::fill_n(room.parts[p] + i * size + n, size - n, 0.0);
-        row[i] = total;
-        row[size] = 1.0;
-        row[size + 1] = block.radius[i];
+    }
+    finish();
+    for (int i = 0; i < size; ++i) {
+        double* row = room.rows + i * length;
+        const int from = i < n ? n : 0;
+        std::fill_n(row + from, length - from, 0.0);
+        row[i] = i < n ? total : 1.0;
+        row[size] = i < n ? 1.0 : 0.0;
+        row[size + 1] = i < n ? block.radius[i] : 0.0;
+        if (!slopes) continue;
+        row[size + lanes + i] = 1.0;
+        for (int p = 0; p < 3 * terms; ++p) std::fill_n(room.parts[p] + i * size + from, size - from, 0.0);
     }
 }
 
