@@ -225,7 +225,7 @@ def _summary(content: Content) -> str:
     if wall.basis == "azimuthal":
         axis, azimuth = summary.breakout_axis, summary.breakout_azimuth
         if math.isfinite(azimuth.mean):
-            axes = f"azimuths {azimuth.mean:.0f}° and {azimuth.mean + 180:.0f}° from {stated_north(content)}"
+            axes = f"{azimuth.mean:.0f}° and {azimuth.mean + 180:.0f}° from {stated_north(content)}"
             rows.append(("Breakout azimuth", f"{axes}, {azimuth.spread('zone', '°', 0)}"))
         if math.isfinite(axis.mean):
             axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"

@@ -108,13 +108,7 @@ def picked_and_tops(content: Content) -> list[tuple[str, str, bool]]:
     picks = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
     starts = [(one.name, one.start) for one in wall.intervals if one.start is not None and not one.track]
     tops = [f"{name} {top / unit.metres:.1f}" for name, top in starts if content.top <= top <= content.bottom]
-    most = TOPS_A_ROW * TOP_ROWS
-    shown = tops if len(tops) <= most else [*tops[: most - 1], f"and {len(tops) - most + 1} more"]
-    lines = [", ".join(shown[first : first + TOPS_A_ROW]) for first in range(0, len(shown), TOPS_A_ROW)]
-    rows = [
-        ("Picks", picks, False),
-        *((f"Tops [{unit.name}]" * (not row), line, False) for row, line in enumerate(lines)),
-    ]
+    rows = [("Picks", picks, False), (f"Tops [{unit.name}]", ", ".join(tops), False)]
     return [row for row in rows if row[1]]
 
 
@@ -152,9 +146,21 @@ def _north(content: Content) -> str:
     return "" if path is None else path.survey.north
 
 
+def header_rows(content: Content) -> list[tuple[str, str, bool]]:
+    """Return the facts of the header, the tops in a few rows; of many, the last row says how many more there are."""
+    rows = []
+    most = TOPS_A_ROW * TOP_ROWS
+    for name, text, warning in facts(content):
+        parts = text.split(", ") if name.startswith("Tops") else [text]
+        shown = parts if len(parts) <= most else [*parts[: most - 1], f"and {len(parts) - most + 1} more"]
+        lines = [", ".join(shown[first : first + TOPS_A_ROW]) for first in range(0, len(shown), TOPS_A_ROW)]
+        rows += [(name * (not row), line, warning) for row, line in enumerate(lines)]
+    return rows
+
+
 def header_height(content: Content) -> float:
     """Return the height of the header, millimetres."""
-    return BLOCK + 7.2 + 4.3 * ((len(facts(content)) + 1) // 2)
+    return BLOCK + 7.2 + 4.3 * ((len(header_rows(content)) + 1) // 2)
 
 
 def measured_text(content: Content) -> str:
@@ -169,7 +175,7 @@ def measured_text(content: Content) -> str:
 def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
     """Draw a frame with the title, the subtitle, the entries of `HEADER` (company, date ...), and the `facts`."""
     title = content.drawing.title or "Borehole wall"
-    rows = facts(content)
+    rows = header_rows(content)
     half = (len(rows) + 1) // 2
     sheet.box(x, y, width, header_height(content) - 3.0, facecolor="none", edgecolor=INK, linewidth=0.8)
     sheet.line((x, x + width), (y + BLOCK, y + BLOCK), color=INK, linewidth=0.8)

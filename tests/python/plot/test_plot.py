@@ -31,7 +31,7 @@ from helibore.plot.html_report import page
 from helibore.plot.interval_tracks import tops_across
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
-from helibore.plot.print_header import SIDES_TEXT, facts, header_height, sentence, shifts
+from helibore.plot.print_header import SIDES_TEXT, facts, header_height, header_rows, sentence, shifts
 from helibore.plot.shading import View, shade
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HEAD, CaliperTrack, DepthTrack, ImageTrack, Stretch
@@ -868,7 +868,9 @@ def test_the_header_names_picks_and_tops_and_a_picture_stands_below_the_tracks()
     assert rows["Picks"] == "2 beds, 1 fault"
     assert rows["Tops [m]"] == "Upper 1002.5"
     wall.intervals = tuple(hb.Interval(f"Top {i}", 1001.0 + 0.2 * i, 1001.2 + 0.2 * i) for i in range(14))
-    many = [text for label, text, _ in facts(content_of(wall, Drawing(unit="mm"))) if "Top " in text or "more" in text]
+    many_tops = content_of(wall, Drawing(unit="mm"))
+    assert dict(row[:2] for row in facts(many_tops))["Tops [m]"].count(",") == 13, "a report names all"
+    many = [text for label, text, _ in header_rows(many_tops) if "Top " in text or "more" in text]
     assert many[0] == "Top 0 1001.0, Top 1 1001.2, Top 2 1001.4", "three names have room in a row"
     assert [text.count(",") for text in many] == [2, 2, 2, 2]
     assert many[-1] == "Top 9 1002.8, Top 10 1003.0, and 3 more"
