@@ -391,8 +391,8 @@ class Feed:
         sides = [side for way in ("up", "down") if (side := ahead.get(way))]
         return tuple(dict.fromkeys(tuple(side[name]) for side in sides for name in ("nearest", "worst")))
 
-    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float] | None:
-        """Return the probability that the string sticks at a `Place`, and the ends of this place."""
+    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float, float] | None:
+        """Return how sure it is that the string sticks at a `Place`, its ends, and half the interval of its size."""
         top, bottom, *_, lower_end, number = place
         body = self._string[number]
         found = self._clearance(lower_end, body)
@@ -400,7 +400,7 @@ class Feed:
             return None
         deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
         chance = NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0)
-        return round(chance, 3), top, bottom
+        return round(chance, 3), top, bottom, round(NORMAL_95 * deviation, 4)
 
     def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
         """Return the clearance of a body where the string's lower end is at a depth; None: not known."""

@@ -193,9 +193,9 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Of the nearest and of the worst tight place above and below: the probability that the string sticks there, and the
-    # ends of the place, by which a page knows it; None: not known.
-    ahead_sure: tuple[tuple[float, float, float] | None, ...] = ()
+    # Of the nearest and of the worst tight place above and below: the probability that the string sticks there, the
+    # ends of the place, by which a page knows it, and half the 95 % interval of what passes; None: not known.
+    ahead_sure: tuple[tuple[float, float, float, float] | None, ...] = ()
 
 
 class History:

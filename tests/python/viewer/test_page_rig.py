@@ -190,6 +190,9 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
         where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m, down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011), (0.97, *far[:2], 0.0131)))
+        screen.until("document.getElementById('rigWorst').textContent === '−13 mm, 97 % sure'")
+        assert screen.inner_text("#rigWorstMore") == "1057.0–1058.0 m, in 7.0 m, ±14 mm", "no less than it is"
         scene.update_state(received=time.time() - 30)
         screen.until("document.body.classList.contains('stale')")
         assert " in " not in screen.inner_text("#rigWorstMore"), "the bit may be elsewhere"

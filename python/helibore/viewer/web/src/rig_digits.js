@@ -10,6 +10,7 @@ import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
+const ROUGH = 0.003; // metres: if the size of a tight place is less sure, its interval is said
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
@@ -126,7 +127,7 @@ function writeWorst(app) {
   const isHere = stuck >= 0 && worst.start < next.stop && next.start < worst.stop;
   const distant = stale || next === worst || isHere ? '' : `, in ${showDepth(worst.left, units, 1)}`;
   const unsure = Number.isNaN(worst.sure);
-  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : (worst.within ?? 0) > ROUGH ? `, ${withIn({ low: 0, high: 2 * (worst.within ?? 0) }, units)} ${unit}` : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
   if (stale) return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
   const { hanging = [] } = string ?? {};
   if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);

@@ -116,7 +116,7 @@ export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
     const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
     const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
     const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
-    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, way, left, first, tight: true };
+    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, within: chance?.[3], way, left, first, tight: true };
   });
 }
 

@@ -117,10 +117,10 @@ interface ListedWell { name: string; address: string; length: number; head: Vect
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
 interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][] }
-type Chance = [sure: number, top: number, bottom: number] | null; // of the place between two depths
+type Chance = [sure: number, top: number, bottom: number, within?: number] | null; // of the place between two depths; half the interval of what passes
 type Way = 'up' | 'down';
 interface Meeting { left: number; first: string; way: Way }
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean } // left: metres until `first` meets it
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; within?: number } // left: metres until `first` meets it
 interface State {
   channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
