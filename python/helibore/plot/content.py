@@ -268,7 +268,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         bodies = _bodies(wall, stretched, radius, pairs)
     polar = drawing.polar
     if polar is None:
-        polar = tuple(telling_depths(turns, top, bottom)) if wall.basis == "azimuthal" else ()
+        polar = tuple(telling_depths(turns, top, bottom, zones.zones)) if wall.basis == "azimuthal" else ()
     sections = sections_at(wall, sorted(polar), interpolated) if polar else []
     lines = Lines.of(scale, drawing.depth_unit)
     return Content(

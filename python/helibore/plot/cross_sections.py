@@ -9,6 +9,7 @@ L |   +   | R
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,10 +27,14 @@ from helibore.plot.tracks import LENGTHS, SIDES
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from helibore.logs.zones import Zone
     from helibore.wall.wall import Wall
 
 WIDTH, HEIGHT = 47.0, 54.0
 """Width and height of a section with its caption, millimetres."""
+
+MOST = 4
+"""Greatest number of sections that are chosen by themselves."""
 
 
 @dataclass(frozen=True)
@@ -73,22 +78,28 @@ def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = N
     return cut
 
 
-def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
-    """Return up to four depths for sections, metres: of the largest, the most oval, a usual and the smallest turn.
+def telling_depths(turns: Diameters, top: float, bottom: float, zones: Sequence[Zone] = ()) -> list[float]:
+    """Return up to four depths for sections, metres: of the worst zone of each kind and of a usual turn.
 
-    Only turns between ``top`` and ``bottom`` with an area and with diameters of all arms count.
+    Where these are fewer, also of the largest, the most oval and the smallest turn. Only depths between ``top`` and
+    ``bottom`` count, and turns with an area and with diameters of all arms.
     """
     ovality = turns.greatest - turns.least
     inside = (turns.depth >= top) & (turns.depth <= bottom) & np.isfinite(turns.area) & np.isfinite(ovality)
     if not inside.any():
         return []
+    worst: dict[str, float] = {}
+    for zone in sorted(zones, key=lambda zone: -zone.severity):
+        if top <= zone.peak <= bottom:
+            worst.setdefault(zone.kind, zone.peak)
     area, oval, depth = turns.area[inside], ovality[inside], turns.depth[inside]
     usual = np.abs(area - np.median(area)) + np.abs(oval - np.median(oval))
     apart = 0.03 * (bottom - top)
     chosen: list[float] = []
-    for at in (np.argmax(area), np.argmax(oval), np.argmin(usual), np.argmin(area)):
-        if all(abs(depth[at] - other) >= apart for other in chosen):
-            chosen.append(float(depth[at]))
+    turn_depths = (depth[at] for at in (np.argmin(usual), np.argmax(area), np.argmax(oval), np.argmin(area)))
+    for wanted in (*list(worst.values())[: MOST - 1], *turn_depths):
+        if len(chosen) < MOST and all(abs(wanted - other) >= apart for other in chosen):
+            chosen.append(float(wanted))
     return sorted(chosen)
 
 

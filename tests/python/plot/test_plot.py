@@ -35,6 +35,7 @@ from helibore.plot.print_header import SIDES_TEXT, facts, header_height, header_
 from helibore.plot.shading import View, shade
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HEAD, CaliperTrack, DepthTrack, ImageTrack, Stretch
+from helibore.simulation.hole import Breakout, Washout
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
 
@@ -334,6 +335,22 @@ def test_a_turn_without_a_diameter_of_every_arm_is_neither_the_most_oval_nor_the
     columns = dict.fromkeys(("c1", "c2", "d0", "d90"), area)
     turns = Diameters(depth=10.0 * np.arange(6), area=area, least=area, greatest=area + oval, coverage=area, **columns)
     assert telling_depths(turns, 0.0, 60.0) == [10.0, 20.0, 30.0, 50.0]
+
+
+def test_sections_stand_in_the_worst_zone_of_each_kind_and_in_a_usual_turn() -> None:
+    """Here the largest turn is in the washout and the most oval one in no zone, as at an open fracture."""
+    breakouts = (Breakout(2005.0, 2005.25, 60.0, 60.0, 0.040), Breakout(2010.0, 2014.0, 60.0, 60.0, 0.020))
+    hole = Hole(start=2000.0, stop=2030.0, breakouts=breakouts, washouts=(Washout(2020.0, 2023.0, 0.025),))
+    run = simulate(hole, Tool(), samples=60_000)
+    wall = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT, sectors=32)
+    zones = wall.zones().zones
+    assert {zone.kind for zone in zones} == {"washout", "breakout"}
+    content = content_of(wall, Drawing())
+    depths = [section.depth for section in content.sections]
+    for zone in zones:
+        assert any(zone.start <= depth <= zone.stop for depth in depths)
+    assert any(all(not zone.start <= depth <= zone.stop for zone in zones) for depth in depths)
+    assert len(depths) <= 4
 
 
 def test_a_caliper_track_is_grey_over_the_turns_without_a_radius_and_beyond_the_wall() -> None:
