@@ -53,8 +53,8 @@ class PrintSettings(Declared, group="print"):
     ] = None  # fmt: skip
     polar: Annotated[tuple[float, ...] | None, METRES, FEW_SECTIONS, ALL_FINITE,
         Option("helibore chooses up to four", metavar="DEPTHS"),
-        "Depths of cross sections. None: in the worst zone of each kind, a usual turn, the largest or oval one; empty: no "
-        "cross sections.",
+        "Depths of cross sections. None: in the worst zone of each kind, a usual turn, the largest or oval one; empty: "
+        "no cross sections.",
     ] = None  # fmt: skip
     body: Annotated[tuple[float, ...] | None, METRES, TWO_OR_NONE, ALL_FINITE,
         Option("the 12 m with most relief", metavar="FROM,TO"),
