@@ -87,7 +87,7 @@ def view(**options: Any) -> None:
 
     SOURCE is an archive (.wall), caliper files, or a project (.toml); several archives are wells, which are shown
     in one scene and side by side with their tops joined. The page saves the beds
-    and fractures that you pick to FILE.picks.csv. FILE is the first of these that is given, here or in the settings:
+    and fractures that you pick to FILE.picks.csv, of each well to its own. FILE is the first of these that is given, here or in the settings:
     caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
     written, unless --html names one.
     """
@@ -170,6 +170,7 @@ def show_wells(options: dict[str, Any], terminal: Terminal) -> None:
     from helibore.viewer import view_wells
 
     walls: dict[str, Wall] = {}
+    picks: dict[str, Path] = {}
     for file in options["source"]:
         run = open_run(options | {"source": (file,)}, terminal)
         wall = build_wall(run, *read_run(run, terminal.stage), options["threads"], terminal.stage).wall
@@ -177,10 +178,12 @@ def show_wells(options: dict[str, Any], terminal: Terminal) -> None:
         if name in walls:
             raise InputError(file.name, f"the well {name} is shown already")
         walls[name] = wall
-        terminal.summary(run.messages)
+        if own := load_picks(run, None):
+            picks[name] = own
+        terminal.summary([*run.messages, ("picks", where_saved(own))])
     options = own_options(run, "view", options)
     serving = {name: options[name] for name in ("host", "port", "browser")}
-    viewer = view_wells(walls, token=find_token(options["token"], options["token_file"]), **serving)
+    viewer = view_wells(walls, picks_files=picks, token=find_token(options["token"], options["token_file"]), **serving)
     terminal.summary([("time", terminal.times())])
     serve_page(viewer)
 

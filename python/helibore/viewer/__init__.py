@@ -338,6 +338,7 @@ class WellsViewer:
 def view_wells(
     walls: Mapping[str, Wall],
     *,
+    picks_files: Mapping[str, str | os.PathLike[str]] | None = None,
     criteria: Criteria | None = None,
     host: str = "127.0.0.1",
     port: int = 0,
@@ -354,6 +355,8 @@ def view_wells(
     ----------
     walls
         The walls by the names of their wells, in the order of the section.
+    picks_files
+        The files in which the page saves picks, by well, as in `view`.
     criteria
         Criteria of the zones; None: the defaults of `Wall.zones`.
     host, port, token, browser
@@ -369,7 +372,7 @@ def view_wells(
     MissingExtraError
         If a library of the extra is missing.
     InputError
-        If there is no wall or `view` would refuse one of them; if `port` is not from 0 to 65535, or `token` is empty.
+        If there is no wall or `view` would refuse one of them; if `picks_files` names a well that has no wall; if `port` is not from 0 to 65535, or `token` is empty.
     OSError
         If the port is in use; the text names it.
     """
@@ -377,11 +380,15 @@ def view_wells(
 
     if not walls:
         raise InputError("walls", "must have at least one wall")
+    files = dict(picks_files or {})
+    if unknown := sorted(files.keys() - walls.keys()):
+        raise InputError("picks_files", "must name wells of walls", ", ".join(unknown))
     feeds = {}
     for name, wall in walls.items():
         feeds[name] = Feed(wall, path=wall.path, attributes=attributes_of(wall), well=name, criteria=criteria)
         scene = feeds[name].scene
         scene.picks, scene.intervals = wall.picks, wall.intervals
+        scene.picks_file, scene.saves_picks = files.get(name), name not in files or can_save(files[name])
     scenes = [feed.scene for feed in feeds.values()]
     viewer = WellsViewer(feeds, PageServer(scenes, Access(host, find_token(token)), port=port))
     for feed in feeds.values():

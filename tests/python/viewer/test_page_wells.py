@@ -70,6 +70,37 @@ def test_no_well_is_refused() -> None:
         hb.view_wells({})
 
 
+def test_a_picks_file_of_no_well_is_refused() -> None:
+    with pytest.raises(hb.InputError, match="picks_files = B: must name wells of walls"):
+        hb.view_wells({"A": made(None)}, picks_files={"B": "B.picks.csv"})
+
+
+def test_picks_of_each_well_are_saved_beside_its_archive_and_shown_again(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files = [tmp_path / name for name in ("A.wall", "B.wall")]
+    for file in files:
+        made(None).save(file)
+    seen: list[Any] = []
+
+    def serve(viewer: Any) -> None:
+        with viewer:
+            seen.append({name: [pick.depth for pick in scene.picks] for name, scene in viewer.scenes.items()})
+            pick = {"key": "f1", "kind": "fracture", "depth": 1004.0, "toolface": 30.0, "apparent_dip": 40.0}
+            address, token = viewer.url.split("?")
+            put = urllib.request.Request(f"{address}w/1/api/pick?{token}", json.dumps(pick).encode(), method="PUT")
+            urllib.request.urlopen(put)
+
+    monkeypatch.setattr("helibore.cli.view_command.serve_page", serve)
+    monkeypatch.setattr("helibore.cli.view_command.check_page", lambda: None)
+    for _ in range(2):
+        done = run("view", *files, "--no-browser")
+        assert done.exit_code == 0, done.output
+    assert seen == [{"A": [], "B": []}, {"A": [], "B": [1004.0]}]
+    assert not (tmp_path / "A.wall.picks.csv").exists()
+    assert "picks saved in" in " ".join(done.output.split())
+
+
 @pytest.mark.parametrize("option", [["--bit-diameter", "8in"], ["--html", "all.html"], ["--picks", "picks.csv"]])
 def test_options_of_one_well_are_refused(tmp_path: Any, option: list[str]) -> None:
     files = [tmp_path / name for name in ("a.wall", "b.wall")]
