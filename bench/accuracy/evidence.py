@@ -311,8 +311,8 @@ holds the truth, %. Seed {first_seed}.
 {without_option(classes)}
 
 Arms that never cross leave open how a shape turns along the hole: four arms see a breakout that turns by 5
-degrees a metre as one that turns the other way. What wins in one such hole loses in another, so no method wins
-in every case; that is why inverse distance, as published, is the default.
+degrees a metre as one that turns the other way. The wall is then the mean of those that are likely. No method
+wins in every case; that is why inverse distance, as published, is the default.
 
 The least error of a linear estimate that knows the covariance of all such holes, and that of automatic, over tuned:
 {least_errors(first_seed)}.
