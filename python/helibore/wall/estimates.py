@@ -176,6 +176,11 @@ def spread(count: int, most: int) -> Integers:
     return distinct(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
 
 
+def few_rows(depth: Floats, most: int) -> Integers:
+    """Return up to ``most`` rows, spread evenly; fewer in a crowd, because each is compared with all of it."""
+    return spread(depth.size, int(np.clip(_COMPARISONS / _crowd(depth), 2, most)))
+
+
 def _crowd(depth: Floats) -> float:
     """Return the mean number of samples within `_LEVEL` of the depth of a sample."""
     rows = spread(depth.size, 1000)
@@ -190,8 +195,7 @@ def find_kriging_range(samples: Columns, settings: Settings) -> float:
     then compared with all of these. If there are too few samples, or all lie at one position, return half the
     circumference at bit size.
     """
-    depth = samples[0]
-    rows = spread(depth.size, int(np.clip(_COMPARISONS / _crowd(depth), 2, 1000)))
+    rows = few_rows(samples[0], 1000)
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)
     farthest = estimate_left_out(samples, rows, simple).farthest
     farthest = farthest[farthest > 0]

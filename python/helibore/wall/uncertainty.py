@@ -41,14 +41,20 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
-from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, spread
+from helibore.wall.estimates import (
+    FEWEST_SAMPLES,
+    MOST_UNMEASURED,
+    Columns,
+    choose_left_out,
+    estimate_left_out,
+    few_rows,
+)
 from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
 _CLOSE = 0.1  # metres: samples that are not so close do not tell noise from a rough wall
-_CROWD = 500  # samples above and below one
 _OF_HALF_TURNS = 2.0 / 3.0  # share of the length around of a term that repeats after half a turn
 _ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
 NORMAL_95 = 1.959964
@@ -115,7 +121,7 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
 
     covariance, factor = covariance_of(wall.settings.covariance or ()), near_and_far_factor(samples, wall.settings)
     variance = factor**2 * wall.sums[0]
-    if _far_apart(samples, covariance.radius):
+    if _far_apart(samples, wall.settings, covariance.radius):
         variance += factor**2 * _ROUGHNESS * covariance.noise
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
@@ -127,17 +133,12 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     return sigma
 
 
-def _far_apart(samples: Columns, radius: float) -> bool:
+def _far_apart(samples: Columns, settings: Settings, radius: float) -> bool:
     """Return whether most samples have no other one within `_CLOSE` on a wall of a radius."""
-    depth, toolface, _ = samples
-    rows = spread(depth.size, _FEW_TARGETS)
-    alone = 0
-    for row in rows:
-        near = slice(max(row - _CROWD, 0), row + _CROWD)  # of more at one depth, these are close enough
-        turn = np.abs(toolface[near] - toolface[row])
-        across = np.radians(np.minimum(turn, 360.0 - turn)) * radius
-        alone += np.sum(np.hypot(across, depth[near] - depth[row]) <= _CLOSE) == 1
-    return bool(alone > 0.5 * rows.size)
+    rows = few_rows(samples[0], _FEW_TARGETS)
+    simple = replace(settings, estimator="inverse-distance", neighbors=1, max_distance=None, angular_scale=1.0)
+    nearest = estimate_left_out(samples, rows, simple, trial=np.full(rows.size, radius)).nearest
+    return bool(np.sum(nearest <= _CLOSE) < 0.5 * rows.size)
 
 
 def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:
