@@ -221,12 +221,14 @@ class Finder {
         return out;
     }
 
-    // Whether two runs of a kind are one: all turns between are free, and they are few or nearly of this kind.
+    // Whether two runs of a kind are one: all turns between are free, and they are few or nearly of this kind. Noise
+    // makes any turn nearly undergauge or a key seat.
     bool is_gap(HoleKind kind, std::size_t first, std::size_t stop, const std::vector<std::uint8_t>& is_free) const {
         const bool few = static_cast<double>(stop - first) * height_ <= criteria_.join + rounding;
-        const double limit = nearly * limit_of(kind), sign = kind == HoleKind::undergauge ? -1.0 : 1.0;
+        const bool wide = kind == HoleKind::breakout || kind == HoleKind::washout;
         for (std::size_t turn = first; turn < stop; ++turn)
-            if (is_free[turn] == 0 || !(few || sign * measure_of(kind, turn) >= sign * limit)) return false;
+            if (is_free[turn] == 0 || !(few || (wide && measure_of(kind, turn) >= nearly * limit_of(kind))))
+                return false;
         return true;
     }
 
