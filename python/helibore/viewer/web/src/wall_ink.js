@@ -33,12 +33,12 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
   if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path', ...offPlan(look));
-  if (picked) words.push(anglesInWords(path));
+  if (picked && !(view.camera === 'outside' && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
-  const lines = view.rig ? [] : inLines(ink, words, rect.width - (path.surveyed ? 110 : 20)).reverse();
+  const lines = view.rig ? [] : inLines(ink, words, rect.width - (view.camera === 'outside' ? 200 : path.surveyed ? 110 : 20)).reverse();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
   else {
     const { labels } = ink.canvas; // texts keep off the compass and off the words
