@@ -317,8 +317,8 @@ def hanging_at(
 
 def _touched(wall: WallLike, sampled: Mask) -> Mask:
     """Return which radii bound what passes: those that are sampled, and those at a sample."""
-    near = getattr(wall, "nearest", None)
-    return sampled if near is None else sampled | (np.asarray(near) <= TOUCHED)
+    near: Floats | None = getattr(wall, "nearest", None)
+    return sampled if near is None else sampled | (near <= TOUCHED)
 
 
 def _filled(errors: Floats) -> Floats:
