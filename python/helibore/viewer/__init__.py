@@ -372,7 +372,8 @@ def view_wells(
     MissingExtraError
         If a library of the extra is missing.
     InputError
-        If there is no wall or `view` would refuse one of them; if `picks_files` names a well that has no wall; if `port` is not from 0 to 65535, or `token` is empty.
+        If there is no wall or `view` would refuse one of them; if `picks_files` names a well that has no wall; if
+        `port` is not from 0 to 65535, or `token` is empty.
     OSError
         If the port is in use; the text names it.
     """

@@ -93,7 +93,8 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     assert float(rows[1].split(",")[3]) == pytest.approx(plane["apparent"], abs=0.01)
     (pick,) = viewer.scene.picks
     assert pick.dip(viewer.scene.path) == pytest.approx(screen.evaluate(DIPS)[0], abs=0.2)
-    assert screen.evaluate("window.__wall.app.picking.pick") is None, "after a pick nothing is selected"
+    assert screen.evaluate("window.__wall.app.picking.selected") == pick.key, "a new pick is selected"
+    screen.keyboard.press("Escape")
     screen.mouse.click(*place(screen, 130, pick.depth))
     screen.until("window.__wall.app.picking.pick")
     screen.keyboard.press("Escape")
@@ -163,7 +164,7 @@ def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
         assert screen.input_value("#pickClass") == "fracture"
         screen.keyboard.press("Escape")
         screen.settle()
-        assert screen.input_value("#pickClass") == "breakout", "the class of the next one stays"
+        assert screen.input_value("#pickClass") == "fracture", "the next one is of this class, too"
         screen.keyboard.press("5")
         screen.settle()
         assert screen.inner_text("#dipText").startswith("Next fault (1 to 6): ")

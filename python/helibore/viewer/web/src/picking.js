@@ -1,6 +1,6 @@
 // Picking on the image. A plane: drag along a bed or fracture, or click three points or more and press Enter; the plane is fitted
-// to them. A breakout: drag a box. A new pick is not selected; a click selects
-// a pick. A digit sets the class of the selected pick or, if none is selected, of the next one. A drag on the selected pick moves
+// to them. A breakout: drag a box. A new pick is selected; a click selects
+// another. A digit sets the class of the selected pick and of the next one. A drag on the selected pick moves
 // it; at the crest or trough of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
 // A change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
 
@@ -344,7 +344,7 @@ export class Picking {
       this.app.notice(outside ? `${showDepth(pick.depth, units)} is outside the wall, ${showSpan(span[0], span[1], units)}` : `There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(pick.depth, units)}`, 10);
       return false;
     }
-    this.selected = before ? pick.key : null;
+    this.selected = pick.key;
     if (!before && this.seen(pick)) this.report(pick.kind === BREAKOUT ? 'kept' : inWords(this.plane(pick)), pick);
     else if (!before) this.app.notice(`${pick.image ? `${pick.image}: nothing` : 'Nothing'} was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     this.change([{ key: pick.key, pick }]);
@@ -415,20 +415,24 @@ export class Picking {
     return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image) };
   }
 
-  // Set the class of the selected pick or, if none is selected, of the next pick.
+  // Set the class of the selected pick and of the next one; a plane cannot become a breakout, nor the other way: only the next one is.
   /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
     const { pick } = this;
     if (!kind) return;
-    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) {
-      this.app.redraw(); // the list shows the class as it stays
-      const [one, other] = kind === BREAKOUT ? ['plane', 'breakout'] : ['breakout', 'plane'];
-      return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: Esc.`, 10);
-    }
-    if (!pick) this.kind = kind;
-    else if (pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}`, { ...pick, kind });
+    this.kind = kind;
+    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) this.selected = null;
+    else if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}`, { ...pick, kind });
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();
+  }
+
+  // Move the selected pick by rows of the wall, and turn it by degrees; return whether there is one.
+  /** @param {number} rows @param {number} angle */
+  nudge(rows, angle) {
+    const { pick, app } = this;
+    if (pick) this.put({ ...pick, ...(pick.kind === BREAKOUT ? {} : BY_HAND), depth: pick.depth + rows * Math.abs(app.store.levels[0].pitch), toolface: turned(pick.toolface + angle) });
+    return pick !== null;
   }
 
   /** @param {HTMLInputElement} hTMLInputElement */
@@ -592,7 +596,7 @@ function writeFields(pick, units) {
   box.hidden = !pick;
   if (box.dataset.fields !== wanted) {
     box.dataset.fields = wanted;
-    box.replaceChildren(...[...fields, ...(pick ? [['note', 'note']] : [])].map(([name, words]) => {
+    box.replaceChildren(...[...fields, ...(pick ? [['note', 'name']] : [])].map(([name, words]) => {
       const [label, input] = ['label', 'input'].map((tag) => document.createElement(tag));
       Object.assign(input, name === 'note' ? { name, type: 'text', maxLength: 80 } : { name, type: 'number', step: 'any' });
       label.append(`${words} ${isDepth(name) ? `${depthUnit(units)} ` : ''}`, input);

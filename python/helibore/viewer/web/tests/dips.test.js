@@ -279,23 +279,31 @@ test('a plane is fitted to the trace of a drag, wherever on it the drag begins, 
   near(made.kept[1].misfit, 0, 1e-6, 'what is drawn again counts once');
 });
 
-test('a digit classes the next pick, and only a selected pick again', () => {
+test('a digit classes the pick just made and the next one, and an arrow key moves it', () => {
   const { made } = picking();
   trace(made, 1010.1, 210);
   const [first] = made.kept;
   near(first.depth, 1010.1, 1e-6);
-  assert.equal(made.pick, null, 'nothing is selected after a pick');
+  assert.equal(made.pick, first, 'a new pick is selected');
   made.setClass('fracture');
-  assert.deepEqual([first.kind, made.kept[0].kind, made.kind], ['bed', 'bed', 'fracture'], 'only the next one');
+  assert.deepEqual([made.kept[0].kind, made.kind], ['fracture', 'fracture']);
+  const row = Math.abs(made.app.store.levels[0].pitch);
+  assert.ok(made.nudge(2, 0) && made.nudge(0, -211));
+  near(made.pick.depth, first.depth + 2 * row, 1e-9);
+  near(made.pick.toolface, 359, 1e-6);
+  made.undo();
+  made.undo();
+  made.setClass('bed');
   trace(made, 1014, 200);
-  assert.deepEqual(made.kept.map(({ kind }) => kind), ['bed', 'fracture'], 'the next one, without leaving the mode');
+  made.setClass('fracture');
+  assert.deepEqual(made.kept.map(({ kind }) => kind), ['bed', 'fracture'], 'the last one');
   made.click({ depth: made.kept[0].depth - 0.1, toolface: 30 }, 0.02);
   assert.equal(made.pick.key, first.key);
   made.setClass('fault');
-  assert.deepEqual([made.kept.map(({ kind }) => kind), made.kind], [['fault', 'fracture'], 'fracture'], 'the next stays what it was');
+  assert.deepEqual([made.kept.map(({ kind }) => kind), made.kind], [['fault', 'fracture'], 'fault']);
   made.remove();
   assert.equal(made.kept.length, 1);
-  for (const kinds of [['fracture', 'fault'], ['fracture', 'bed'], ['bed'], []]) {
+  for (const kinds of [['fracture', 'fault'], ['fracture', 'bed'], ['bed', 'bed'], ['bed'], ['fracture'], ['bed'], []]) {
     made.undo();
     assert.deepEqual(made.kept.map(({ kind }) => kind).sort().reverse(), kinds);
   }
@@ -329,24 +337,17 @@ test('redo makes again what undo took back, in order; a new change ends it', () 
   assert.deepEqual(kinds(), ['fracture']);
 });
 
-test('a selected plane stays selected and what it is when breakout is chosen, and a breakout when a plane is', () => {
+test('a plane cannot become a breakout, nor a breakout a plane: the class is that of the next pick', () => {
   const { made, sent } = picking();
   const box = { key: 'b', kind: 'breakout', depth: 1015, toolface: 0, height: 1, opening: 30 };
   made.receive([{ ...BED, kind: 'fault' }, box]);
   Object.assign(made, { selected: 'a', kind: 'fault' });
   made.setClass('breakout');
-  assert.deepEqual([made.pick.kind, made.kind], ['fault', 'fault']);
+  assert.deepEqual([made.pick, made.kind], [null, 'breakout']);
   Object.assign(made, { selected: 'b', kind: 'breakout' });
   made.setClass('bed');
-  assert.deepEqual([made.pick, made.kind], [box, 'breakout']);
-  const rest = 'deselect it first: Esc.';
-  assert.deepEqual(sent, [
-    `A plane cannot become a breakout: the selected pick stays a plane. To pick a breakout, ${rest}`,
-    `A breakout cannot become a plane: the selected pick stays a breakout. To pick a plane, ${rest}`,
-  ]);
-  made.selected = null;
-  made.setClass('bed');
-  assert.deepEqual([made.kind, made.kept.map(({ kind }) => kind), sent.length], ['bed', ['fault', 'breakout'], 2]);
+  assert.deepEqual([made.pick, made.kind], [null, 'bed']);
+  assert.deepEqual([made.kept.map(({ kind }) => kind), sent], [['fault', 'breakout'], []]);
 });
 
 test('the wheel moves the log, and the cursor is at the depth that is then under the mouse, unless it is held', () => {
