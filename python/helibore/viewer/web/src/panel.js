@@ -146,7 +146,7 @@ export function readout({ store, view, path, vertex }) {
   const { cursor, units } = view;
   const depth = cursor?.depth ?? view.middle;
   const tvd = path.tvd(depth);
-  const toolface = cursor?.toolface ?? NaN;
+  const toolface = Number((cursor?.toolface ?? NaN).toFixed(1)); // as it is shown, and as an address keeps it
   const angles = [wrap360(toolface - (path.dial(depth).up ?? NaN)), path.azimuth(depth, toolface)].map((angle) => showAngle(angle));
   const { state = 0 } = vertex ?? {};
   /** @type {[number, string][]} */
