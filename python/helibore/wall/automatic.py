@@ -20,7 +20,7 @@ from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.arm_biases import found_biases, without_biases
-from helibore.wall.continuation import spread_gaps
+from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
 from helibore.wall.covariance import (
     FEWEST,
     Covariance,
@@ -122,6 +122,8 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     if seeks and settings.arm_biases:
         settings = replace(settings, arm_biases=found_biases(caliper, likely[0][0]))
         samples = in_depth_order(without_biases(caliper, settings))
+    if not leaves_most_unmeasured(samples, settings):  # near samples decide, whatever the turn is
+        likely = [(likely[0][0], 1.0)]
     full, seed = near_and_far(likely, settings), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
