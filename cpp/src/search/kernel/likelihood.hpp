@@ -60,7 +60,7 @@ struct PairDistances {
 
 // Fills the matrix K, then 1 and the radii, then the unit matrix if there are slopes; and the derivatives of K. As in
 // near_far.hpp, a pack is computed from its square roots while those of the next one are taken.
-template <class P, int terms, bool half_turns, bool slopes>
+template <class P, int terms, bool slopes>
 __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRule& rule, const BlockRoom& room) {
     const int n = block.n, size = block.size, length = 2 * size + lanes;
     double total = rule.noise;
@@ -92,7 +92,7 @@ __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRu
             PairDistances<P> found[most];
 #pragma GCC unroll 3
             for (int t = 0; t < terms; ++t) {
-                found[t].around = square_of_chord<P, half_turns>(t, around_square) * P(rule.around[t]);
+                found[t].around = square_of_chord(t, around_square, rule) * P(rule.around[t]);
                 found[t].along = along_square * P(rule.along[t]);
                 found[t].whole = P::sqrt(found[t].around + found[t].along);
             }
@@ -115,16 +115,6 @@ __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRu
         row[size + lanes + i] = 1.0;
         for (int p = 0; p < 3 * terms; ++p) std::fill_n(room.parts[p] + i * size + from, size - from, 0.0);
     }
-}
-
-template <class P, bool slopes>
-void fill_block(const Block& block, const CovarianceRule& rule, const BlockRoom& room) {
-    if (rule.terms == 2)
-        rule.half_turns ? fill_block<P, 2, true, slopes>(block, rule, room)
-                        : fill_block<P, 2, false, slopes>(block, rule, room);
-    else
-        rule.half_turns ? fill_block<P, 3, true, slopes>(block, rule, room)
-                        : fill_block<P, 3, false, slopes>(block, rule, room);
 }
 
 // With K = U' D^-1 U, U the rows after the elimination and E what they make of the unit matrix: K^-1 = E' D^-1 E.
@@ -179,10 +169,10 @@ template <class P>
 bool block_likelihood(const Block& block, const CovarianceRule& rule, bool slopes, const BlockRoom& room,
                       BlockTerms& terms) {
     const int size = block.size, length = 2 * size + lanes;
-    if (slopes)
-        fill_block<P, true>(block, rule, room);
-    else
-        fill_block<P, false>(block, rule, room);
+    const auto fill = rule.terms == 2 ? slopes ? fill_block<P, 2, true> : fill_block<P, 2, false>
+                      : slopes        ? fill_block<P, 3, true>
+                                      : fill_block<P, 3, false>;
+    fill(block, rule, room);
     eliminate<P>(size, slopes ? length : size + lanes, 1e-300, room.rows, length, room.factors, room.inverses);
     double square = 0.0, mean = 0.0;
     terms.ones = 0.0;

@@ -60,9 +60,10 @@ inline void sine_cosine(P x, P& sine, P& cosine) {
 
 // Returns the square of the chord over (2 R)^2 in term t, from that of the sine of half the difference of two
 // toolfaces.
-template <class P, bool half_turns>
-inline P square_of_chord(int t, P square) {
-    return half_turns && t == 1 ? P::max(square - square * square, P(0.0)) : square;  // rounding: below 0
+template <class P>
+inline P square_of_chord(int t, P square, const CovarianceRule& rule) {
+    if (t != 1) return square;
+    return P::max(square - P(rule.half_turns ? 1.0 : 0.0) * (square * square), P(0.0));  // rounding: below 0
 }
 
 // The distances of eight pairs, in each term: what the square roots above give.
@@ -71,13 +72,13 @@ struct Distances {
     P of_term[static_cast<std::size_t>(terms)];
 };
 
-template <class P, int terms, bool half_turns>
+template <class P, int terms>
 inline Distances<P, terms> distances(P sine, P along, const CovarianceRule& rule) {
     const P around_square = sine * sine, along_square = along * along;
     Distances<P, terms> found;
 #pragma GCC unroll 3
     for (int t = 0; t < terms; ++t) {
-        const P chord_square = square_of_chord<P, half_turns>(t, around_square);
+        const P chord_square = square_of_chord(t, around_square, rule);
         found.of_term[t] = P::sqrt(chord_square * P(rule.around[t]) + along_square * P(rule.along[t]));
     }
     return found;
@@ -107,7 +108,7 @@ struct SharedColumns {
 // Fills the rows of the n neighbours, without what lies left of the diagonal pack. Rows and columns from n to `size`
 // are those of the unit matrix and 0. A square root takes long, so the covariances of a pack are computed from it while
 // the root for the next pack is taken.
-template <class P, int terms, bool half_turns>
+template <class P, int terms>
 __attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeighbor* rows, int n,
                                                 const SharedColumns& columns, const CovarianceRule& rule,
                                                 SharedRoom& room) {
@@ -145,7 +146,7 @@ __attribute__((noinline)) void fill_covariances(const Group& g, const SharedNeig
         const P s(sine[i]), c(cosine[i]), z(along[i]);
         for (int j = i / lanes * lanes; j <= size; j += lanes) {
             const P between = s * P::load(cosine + j) - c * P::load(sine + j);
-            const auto found = distances<P, terms, half_turns>(between, z - P::load(along + j), rule);
+            const auto found = distances<P, terms>(between, z - P::load(along + j), rule);
             covariance_at(before, rule).store(to);
             before = found;
             to = row + j;
@@ -208,9 +209,7 @@ __attribute__((noinline)) void eliminate(int size, int columns, double least_piv
 template <class P>
 void krige_shared(Group& g, const SharedNeighbor* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
     const SharedColumns columns(n);
-    const auto fill = rule.half_turns   ? rule.terms == 2 ? fill_covariances<P, 2, true> : fill_covariances<P, 3, true>
-                      : rule.terms == 2 ? fill_covariances<P, 2, false>
-                                        : fill_covariances<P, 3, false>;
+    const auto fill = rule.terms == 2 ? fill_covariances<P, 2> : fill_covariances<P, 3>;
     fill(g, rows, n, columns, rule, room);
     double inverse[max_shared];
     eliminate<P>(columns.size, columns.count, rule.noise / most_averaged, room.row[0], max_shared + 2 * lanes,
