@@ -100,11 +100,14 @@ export function heldPlane(planes, { cursor }) {
 /** @param {Pick<Plane, 'a' | 'b' | 'radius'>} plane */
 export const riseOf = ({ a, b, radius }) => radius * Math.hypot(a, b);
 
-// Return the angles of a plane: 34 / 120.
+const LONGEST = 24; // characters of a name on a picture
+
+// Return the name of a plane's pick and its angles: F1 open 34 / 120.
 /** @param {Plane} plane @param {Path} path */
-export function anglesOf({ dip, azimuth, apparent, deepest }, { surveyed }) {
+export function anglesOf({ dip, azimuth, apparent, deepest, pick }, { surveyed }) {
   const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];
-  return `${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
+  const name = pick?.note ? `${pick.note.slice(0, LONGEST)} ` : '';
+  return `${name}${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
 }
 
 // Return both azimuths of a breakout's axis as text, '' where they are not known.

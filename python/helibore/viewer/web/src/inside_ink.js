@@ -51,7 +51,7 @@ export function drawInsideInk(ink, look, gpu, planes) {
     if (line === first) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
       const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)} from ${northOf(path)}` : `${showAngle(plane.apparent, 0)} apparent dip`;
-      const words = [name, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
+      const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
       const low = Math.min(Math.max(...y) + 16, rect.height - 88 - 16 * words.length);
       words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour }));
     } else {

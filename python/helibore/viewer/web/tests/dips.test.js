@@ -279,6 +279,12 @@ test('a plane is fitted to the trace of a drag, wherever on it the drag begins, 
   near(made.kept[1].misfit, 0, 1e-6, 'what is drawn again counts once');
 });
 
+test('the angles of a named pick begin with its name', () => {
+  const plane = { dip: 68.2, azimuth: 205.6, pick: { note: 'F1 open' } };
+  assert.equal(anglesOf(plane, { surveyed: true }), 'F1 open 68 / 206');
+  assert.equal(anglesOf({ ...plane, pick: { note: '' } }, { surveyed: true }), '68 / 206');
+});
+
 test('a digit classes the pick just made and the next one, and an arrow key moves it', () => {
   const { made } = picking();
   trace(made, 1010.1, 210);
