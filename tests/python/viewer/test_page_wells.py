@@ -203,6 +203,22 @@ class TestPage:
             assert texts.count("TVD m") == 2
             screen.close()
 
+    def test_where_a_bed_ends_that_one_well_lacks_is_marked_as_not_known(self, browser: Any) -> None:
+        walls = {name: made(HEADS[name], (1002.0, 1005.0, 1009.0)) for name in ("A-1", "B-2")}
+        upper, _, lower = walls["B-2"].intervals
+        for lacking, marks in ((True, 1), (False, 0)):
+            if lacking:
+                walls["B-2"].intervals = (hb.Interval(upper.name, 1002.0, lower.start), lower)
+            else:
+                walls["B-2"].intervals = walls["A-1"].intervals
+            with hb.view_wells(walls) as viewer:
+                screen = Screen(browser, viewer.url, "#mode=section", drawn=False)
+                screen.until("window.__wall.wells.section.columns.length === 2")
+                screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 2')")
+                texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+                assert texts.count("?") == marks
+                screen.close()
+
     def test_the_scene_shows_planes_as_discs_and_names_their_colours(self, browser: Any) -> None:
         walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
         for wall in walls.values():

@@ -225,15 +225,19 @@ export class Section {
         const { top, base, ...ends } = joined(one.well, next.well, name);
         const [a, b] = [ends.a, ends.b].map((pair, j) => pair?.map((depth) => this.y(this.down([one, next][j].well, depth), one.rects)));
         if (!a || !b || this.wells.hidden.has(name)) continue;
-        if (top) line(ink, left, a[0], right, b[0], colour, [], 2.5);
+        const lacks = a[0] === a[1] || b[0] === b[1]; // where it ends is not known
+        if (top && !lacks) line(ink, left, a[0], right, b[0], colour, [], 2.5);
         if (!base) continue;
         ink.beginPath();
         for (const [x, y] of [[left, a[0]], [right, b[0]], [right, b[1]], [left, a[1]]]) ink.lineTo(x, y);
         ink.closePath();
         ink.fillStyle = colour;
-        ink.globalAlpha = 0.45;
+        ink.globalAlpha = lacks ? 0.2 : 0.45;
         ink.fill();
         ink.globalAlpha = 1;
+        if (!lacks) continue;
+        for (const end of [0, 1]) line(ink, left, a[end], right, b[end], colour, [6, 5], 2);
+        label(ink, '?', (left + right) / 2, (a[0] + a[1] + b[0] + b[1]) / 4, { colour: PALETTES[this.wells.view.theme].ink, align: 'center', font: BOLD });
       }
     });
     ink.restore();
