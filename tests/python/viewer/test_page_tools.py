@@ -403,7 +403,7 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
             pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=dip)
             viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
         first, second = ("{:.0f} / {:03.0f}".format(*pick.dip(path)) for pick in list(viewer.scene.picks)[:2])
-        flatter = "tube × 5: traces on it look flatter;"
+        flatter = "tube × 5: traces on it look flatter"
         for address, shown, wide in (
             ("#md=1007&sec=10&camera=outside&tube=5&at=1004_40", second, True),
             ("#md=1007&sec=8&camera=down", "fracture at 1004.00 m", False),
@@ -420,6 +420,27 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
             assert not [one for one in labels if one["text"] == "Hugin"], "not named twice in 3-D"
             assert screen.touching("ink") == []
             screen.close()
+
+
+def test_every_top_beside_the_path_has_its_name_in_rows_where_they_are_close(browser: Any) -> None:
+    path = hb.Survey([970.0, 1100.0], [40.0, 40.0], [70.0, 70.0]).path(extend=100.0)
+    tops = {"Draupne": 1003.0, "Heather": 1003.3, "Hugin": 1003.6, "Sleipner": 1003.9}
+    wall = MadeWall(20_000)
+    wall.intervals = tuple(hb.Interval(name, top, 1012.0) for name, top in tops.items())
+    with hb.view(wall, path=path) as viewer:
+        viewer.scene.intervals = wall.intervals
+        pick = Pick(kind="bed", depth=1003.6, toolface=40.0, apparent_dip=15.0, note="F1 open")
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1008&sec=20&camera=outside", (1366, 768))
+        screen.until("document.getElementById('ink').labels.some(({ text }) => text.startsWith('Hugin'))")
+        screen.settle()
+        wall_left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
+        labels = [one["text"] for one in screen.evaluate("ink.labels") if one["left"] > wall_left]
+        assert {"Draupne", "Heather", "Sleipner"} <= set(labels)
+        assert any(text.startswith("Hugin") for text in labels)
+        assert any("F1 open " in text for text in labels), "the name of the pick"
+        assert screen.touching("ink") == []
+        screen.close()
 
 
 def test_the_map_of_a_short_well_ends_at_tenths_of_a_metre(browser: Any) -> None:
@@ -1291,14 +1312,15 @@ def test_a_slide_has_whole_heads_and_no_hint_or_scale(browser: Any, camera: str)
     wall = MadeWall(12_800)
     name = "a name of an image that is longer than the head of its track on a slide"
     with hb.view(wall, attributes={hb.Attribute(name, "m"): np.linspace(0, 0.01, 12_800)}) as viewer:
-        screen = Screen(browser, viewer.url, f"#md=1010&sec=20&camera={camera}", (1366, 768))
+        screen = Screen(browser, viewer.url, f"#md=1010&sec=20&camera={camera}&at=1010_40", (1366, 768))
         screen.evaluate(f"window.__wall.app.selection.setQuantity('{name}')")
         screen.settle()
         screen.evaluate(
             "(() => { const { renderer } = window.__wall.app; const draw = renderer.drawInk.bind(renderer);"
             " renderer.drawInk = (look) => { draw(look);"
             " if (document.getElementById('ink').slide)"
-            " window.__slide = document.getElementById('ink').labels.map(({ text }) => text); }; })()"
+            " window.__slide = document.getElementById('ink').labels.map(({ text }) => text),"
+            " window.__cursor = look.view.cursor; }; })()"
         )
         with screen.page.expect_download():
             screen.click("#slide")
@@ -1306,6 +1328,7 @@ def test_a_slide_has_whole_heads_and_no_hint_or_scale(browser: Any, camera: str)
         said = screen.evaluate("window.__slide")
         assert not [text for text in said if text.startswith(("Pick dips", "1:")) or "…" in text], said
         assert name in said
+        assert screen.evaluate("[window.__cursor, window.__wall.app.view.cursor.depth]") == [None, 1010], "no cursor"
         assert screen.evaluate("document.getElementById('ink').slide === undefined")
         screen.close()
 

@@ -42,7 +42,7 @@ export function eyeDepth({ view, store, held }) {
 
 // Return the end of the section that is behind the eye.
 /** @param {View} view */
-const endOf = ({ camera, top, bottom }) => (camera === 'down' ? top : bottom);
+export const endOf = ({ camera, top, bottom }) => (camera === 'down' ? top : bottom);
 
 /** @param {Pair} head @param {number} dx @param {number} dy */
 export function turnHead(head, dx, dy) {

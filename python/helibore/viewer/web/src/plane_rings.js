@@ -8,6 +8,8 @@ import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vect
 
 const SIZE = { hole: 1.5, most: 3.2 }; // of a disc: wider than the hole where it cuts it, in radii of the drawn hole
 const SAME = 0.2; // metres: a plane so near to a top is the top
+/** @type {Pair[]} */
+export const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
 const STEP = 5; // degrees between two points of an edge
 
 // Return how far from the axis of a hole of radius 1 the disc of a plane ends, in the direction of a toolface: the disc is round.
@@ -97,7 +99,7 @@ export function drawDiscs(ink, look, planes, gpu, tops) {
       const end = at[0] + 6 * dx - rect.left - 6; // of the room at the left of the disc
       const lines = dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]; // in two lines it need not stand on the hole
       const x = Math.max(end, dx < -0.3 ? Math.max(...lines.map((text) => ink.measureText(text).width)) : 0) + rect.left + 6;
-      for (const [i, text] of lines.entries()) label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: [[0, 0], [0, -12], [0, 12]], yields: !name, margin: 1 });
+      for (const [i, text] of lines.entries()) label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: ROWS, yields: !name, margin: 1 });
     }
   };
 }

@@ -6,6 +6,7 @@ import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
 import { BOLD, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
+import { endOf, eyeDepth, isInside } from './inside.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
 import { recorder, svgFile } from './svg.js';
@@ -39,6 +40,11 @@ export function saveStage(app, kind, sharpen, save) {
   const parts = [];
   const ink = vector ? recorder(pen(canvas), parts, () => ratio) : pen(canvas);
   const look = renderer.look();
+  const { cursor, pinned, ahead } = view;
+  const { selected } = picking;
+  if (isInside(view)) view.ahead = eyeDepth(look) - endOf(view); // where the held cursor has placed it
+  Object.assign(view, { cursor: null, pinned: false }); // a picture has no cursor, and no pick in its colour
+  picking.selected = null;
   const palette = PALETTES[view.theme];
   ink.setTransform(ratio, 0, 0, ratio, 0, 0);
   ink.fillStyle = palette.paper;
@@ -63,6 +69,8 @@ export function saveStage(app, kind, sharpen, save) {
   ink.translate(inks.clientWidth, 0);
   if (side) drawSide(ink, look, planes, height - BAND);
   delete inks.slide;
+  Object.assign(view, { cursor, pinned, ahead });
+  picking.selected = selected;
   sharpen(0);
   byId('stage').removeAttribute('style');
   app.repaint();

@@ -209,7 +209,7 @@ export function drawCursor(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     line(ink, rects.image.left, y, right, y, palette.pin, [3, 3]);
   }
-  if (!view.cursor && !view.rig) pointer(ink, rect.left + rect.width, Math.round(yOf(view, rect, view.middle)) + 0.5, -9, palette.ink); // marks the middle of the section
+  if (!view.cursor && !view.rig && !ink.canvas.slide) pointer(ink, rect.left + rect.width, Math.round(yOf(view, rect, view.middle)) + 0.5, -9, palette.ink); // marks the middle of the section
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
   lineOnHalo(ink, rect.left + rect.width, y, right, y, palette);

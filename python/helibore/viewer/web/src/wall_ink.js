@@ -7,7 +7,7 @@ import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD, within } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
-import { drawDiscs, topsOf } from './plane_rings.js';
+import { drawDiscs, ROWS, topsOf } from './plane_rings.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus, scaled } from './vectors.js';
@@ -30,7 +30,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
   const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
-  const words = [...(picked && tube > 1 && view.camera === 'outside' ? [`tube × ${tube}: traces on it look flatter;`, 'planes have their true dip'] : [`tube × ${tube}`]), `shape × ${view.shape || 1} about the bit radius`];
+  const words = [`tube × ${tube}${picked && tube > 1 ? ': traces on it look flatter' : ''}`, ...(picked && tube > 1 && view.camera === 'outside' ? ['discs of picks have their true dip'] : []), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
   if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path', ...offPlan(look));
   if (picked && !(view.camera === 'outside' && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
@@ -39,14 +39,13 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   ink.font = FONT;
   const lines = view.rig ? [] : inLines(ink, words, rect.width - (view.camera === 'outside' ? 200 : path.surveyed ? 110 : 20)).reverse();
+  const { labels } = ink.canvas; // texts keep off the compass and off the words
+  const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
+  const wide = view.camera === 'outside' ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
+  const at = labels.push(foot, { ...foot, left: rect.left + rect.width - wide, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
-  else {
-    const { labels } = ink.canvas; // texts keep off the compass and off the words
-    const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
-    const at = labels.push(foot, { ...foot, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
-    drawInsideInk(ink, look, gpu, planes);
-    labels.splice(at, 2);
-  }
+  else drawInsideInk(ink, look, gpu, planes);
+  labels.splice(at, 2);
   if (path.surveyed) {
     if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
     compass(ink, gpu, rect, palette);
@@ -104,8 +103,8 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
     if (!at) continue;
     const edge = gpu.project(path.at(start), rect, gpu.aside(path.at(start), -store.bitRadius * tube));
     const left = Math.max(at[0] - 4, rect.left + 4 + ink.measureText(name).width);
-    if (edge) line(ink, left + 2, at[1], ...edge, palette.top, [], 1.5);
-    label(ink, name, left, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
+    const place = label(ink, name, left, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: ROWS, yields: true });
+    if (edge && place) line(ink, left + 2 + place[0], at[1] + place[1], ...edge, palette.top, [], 1.5);
   }
   scaleBar(ink, look, gpu, palette);
   dashed(ink, planAlong(look).map((centre) => gpu.project({ centre }, rect)), palette.max);

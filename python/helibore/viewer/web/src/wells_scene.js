@@ -264,7 +264,7 @@ export class Scene {
     }
     if (wells.shown.box) this.letterBox(ink, rect, palette);
     compass(ink, gpu, rect, palette);
-    const flatter = wells.tube > 1 && wells.shown.planes && drawn.some(({ planes }) => planes.length) ? ': traces on it look flatter; discs have their true dip, as wide as the tube' : '';
+    const flatter = wells.tube > 1 && wells.shown.planes && drawn.some(({ planes }) => planes.length) ? ': traces on it look flatter; discs of picks have their true dip, as wide as the tube' : '';
     label(ink, [`tube × ${wells.tube}${flatter}`, wells.note ? 'places not stated' : ''].filter(Boolean).join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
   }
 
@@ -284,7 +284,7 @@ export class Scene {
     const ends = [[x, front[1]], [front[0], y]].map(([across, along]) => [across, along, high[2]]);
     const [edge] = ends.sort((a, b) => (this.project(a, rect)?.[0] ?? 0) - (this.project(b, rect)?.[0] ?? 0)); // the left one
     for (const tick of up) at([edge[0], edge[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
-    at(edge, `true depth [${unit}]`, 'center', 0, -14);
+    at(edge, `true depth of the surveys [${unit}]`, 'left', -50, -14);
     const right = (this.project([front[0], y, low[2]], rect)?.[0] ?? 0) > (this.project([x, front[1], low[2]], rect)?.[0] ?? 0); // whether the north edge is at the right
     for (const tick of east) at([tick.at, front[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, right ? 'right' : 'left', right ? -2 : 2, 12);
     for (const tick of north) at([front[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, right ? 'left' : 'right', right ? 6 : -6, 10);
