@@ -240,7 +240,7 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         screen.evaluate(FINGER, [["pointerdown", *crest], ["pointermove", *half], ["pointermove", *trough]])
         screen.evaluate(FINGER, [["pointerup", *trough]])
         screen.until("window.__wall.app.picking.kept.length && !window.__wall.app.picking.dragged")
-        assert screen.evaluate("window.__wall.app.picking.pick") is None, "the list classes the next one"
+        assert screen.evaluate("window.__wall.app.picking.pick") is not None, "its class and name can be given at once"
         made = screen.evaluate("window.__wall.app.picking.kept[0]")
         screen.until("!document.getElementById('notice').hidden")
         assert re.match(r"bed at 10\d\d\.\d\d m: true dip \d", screen.inner_text("#notice"))
@@ -265,13 +265,9 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         screen.page.select_option("#pickClass", "fracture")
         screen.until("window.__wall.app.picking.pick.kind === 'fracture'")
         assert screen.evaluate("window.__wall.app.picking.pick.depth") == pytest.approx(made["depth"] + 1, abs=0.02)
-        screen.page.select_option("#pickClass", "breakout")
-        screen.until("!document.getElementById('notice').hidden")
-        assert screen.inner_text("#notice").startswith("A plane cannot become a breakout: ")
-        screen.until("document.getElementById('pickClass').value === 'fracture'")
-        screen.evaluate("window.__wall.app.picking.leave()")
-        screen.page.select_option("#pickClass", "breakout")
-        screen.until("window.__wall.app.picking.kind === 'breakout'")
+        screen.page.select_option("#pickClass", "breakout")  # no class of a plane: that of the next pick
+        screen.until("window.__wall.app.picking.kind === 'breakout' && !window.__wall.app.picking.pick")
+        assert screen.evaluate("window.__wall.app.picking.kept[0].kind") == "fracture"
         screen.settle()
         said.append(screen.inner_text("#dipText"))
         assert len(set(said)) == 3
