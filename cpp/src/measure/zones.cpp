@@ -31,7 +31,7 @@ constexpr double opposite = 140.0;     // least degrees between opposite lobes
 constexpr double widest_key_seat = 150.0;                // degrees
 constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
 constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
-constexpr double nearly = 0.5;       // of a limit: two runs of a kind are one if no turn between has less
+constexpr double nearly = 0.65;      // of the smaller of two runs of a kind: they are one if no turn between has less
 constexpr double long_share = 0.65;  // of a lobe's height, as a mean over the least length of a zone
 constexpr double rounding = 1e-9;    // metres
 
@@ -200,13 +200,19 @@ class Finder {
         for (const HoleKind kind : {HoleKind::washout, HoleKind::undergauge, HoleKind::breakout, HoleKind::key_seat}) {
             const auto fits = [&](std::size_t turn) { return kinds[turn] == kind && is_free[turn] != 0; };
             std::vector<Run> joined;
+            double greatest = 0.0;  // measure of a turn of the last run
             for (std::size_t first = 0, stop = 0; first < count_; first = std::max(stop, first + 1)) {
                 for (stop = first; stop < count_ && fits(stop);) ++stop;
                 if (stop == first) continue;
-                if (!joined.empty() && is_gap(kind, joined.back().stop, first, is_free)) {
+                double own = 0.0;
+                for (std::size_t turn = first; turn < stop; ++turn) own = std::max(own, measure_of(kind, turn));
+                const double least = nearly * std::min(greatest, own);
+                if (!joined.empty() && is_gap(kind, joined.back().stop, first, least, is_free)) {
                     joined.back().stop = stop;
+                    greatest = std::max(greatest, own);
                 } else {
                     joined.push_back({kind, first, stop, {}});
+                    greatest = own;
                 }
             }
             for (Run& run : joined) {
@@ -221,14 +227,14 @@ class Finder {
         return out;
     }
 
-    // Whether two runs of a kind are one: all turns between are free, and they are few or nearly of this kind. Noise
-    // makes any turn nearly undergauge or a key seat.
-    bool is_gap(HoleKind kind, std::size_t first, std::size_t stop, const std::vector<std::uint8_t>& is_free) const {
+    // Whether two runs of a kind are one: all turns between are free, and they are few or have nearly what both runs
+    // have. Noise makes any turn nearly undergauge or a key seat.
+    bool is_gap(HoleKind kind, std::size_t first, std::size_t stop, double least,
+                const std::vector<std::uint8_t>& is_free) const {
         const bool few = static_cast<double>(stop - first) * height_ <= criteria_.join + rounding;
         const bool wide = kind == HoleKind::breakout || kind == HoleKind::washout;
         for (std::size_t turn = first; turn < stop; ++turn)
-            if (is_free[turn] == 0 || !(few || (wide && measure_of(kind, turn) >= nearly * limit_of(kind))))
-                return false;
+            if (is_free[turn] == 0 || !(few || (wide && measure_of(kind, turn) >= least))) return false;
         return true;
     }
 

@@ -238,12 +238,14 @@ def test_zones_join_over_short_gaps_and_must_be_long_enough() -> None:
     assert len(classify(gapped).zones) == 2
 
 
-def test_one_zone_is_what_lies_between_half_the_limit_and_the_limit_for_long() -> None:
+def test_zones_are_one_if_the_hole_between_is_nearly_as_they_are_however_long() -> None:
     """A breakout whose height wavers about the limit, over more than the metres that are joined."""
-    low, broken, slight = (GAUGE + lobe(0, height) + lobe(180, height) for height in (0.012, 0.02, 0.004))
+    low, broken, slight = (GAUGE + lobe(0, height) + lobe(180, height) for height in (0.017, 0.02, 0.012))
     wavering = classify(wall_of((10, GAUGE), (8, broken), (20, low), (8, broken), (10, GAUGE))).zones
     assert [(zone.kind, round(zone.length, 1)) for zone in wavering] == [("breakout", 3.6)]
     assert len(classify(wall_of((10, GAUGE), (8, broken), (20, slight), (8, broken), (10, GAUGE))).zones) == 2
+    wide = classify(wall_of((10, GAUGE), (8, GAUGE + 0.016), (40, GAUGE + 0.0055), (8, GAUGE + 0.016), (9, GAUGE))).zones
+    assert [(zone.kind, round(zone.length, 1)) for zone in wide] == [("washout", 0.8)] * 2, "a wide hole joins nothing"
     tight = (GAUGE - half / 2 for half in (0.009, 0.004))
     deep, shallow = tight
     under = classify(wall_of((10, GAUGE), (8, deep), (20, shallow), (8, deep), (10, GAUGE))).zones
