@@ -483,7 +483,8 @@ std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others, co
     half_turns_ = best.half_turns;
     turn_by(best.turn);
     const Place climbed = climb(best.at, few, limits, 1, 20);
-    best.at = climbed.at, best.value = climbed.value;
+    best.at = climbed.at;
+    best.value = climbed.value;
     return found;
 }
 

@@ -86,11 +86,10 @@ def view(**options: Any) -> None:
     helibore view A.wall B.wall C.wall --intervals tops.csv
 
     SOURCE is an archive (.wall), caliper files, or a project (.toml); several archives are wells, which are shown
-    in one scene and side by side with their tops joined. The page saves the beds
-    and fractures that you pick to FILE.picks.csv, those of each well to its own. FILE
-    is the first of these that is given, here or in the settings: caliper file,
-    --average, archive, --image, --scalar. --picks names another file for the picks.
-    No other file is written, unless --html names one.
+    in one scene and side by side with their tops joined. The page saves the beds and fractures that you pick to
+    FILE.picks.csv, each well to its own. FILE is the first of these that is given, here or in the settings: caliper
+    file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is written,
+    unless --html names one.
     """
     if options["html"]:
         check_file(options["html"], (".html", ".htm"))

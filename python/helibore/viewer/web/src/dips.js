@@ -100,9 +100,9 @@ export function heldPlane(planes, { cursor }) {
 /** @param {Pick<Plane, 'a' | 'b' | 'radius'>} plane */
 export const riseOf = ({ a, b, radius }) => radius * Math.hypot(a, b);
 
-const LONGEST = 24; // characters of a name on a picture
+const LONGEST = 24; // characters of a note on a picture
 
-// Return the name of a plane's pick and its angles: F1 open 34 / 120.
+// Return the note of a plane's pick and its angles: F1 open 34 / 120.
 /** @param {Plane} plane @param {Path} path */
 export function anglesOf({ dip, azimuth, apparent, deepest, pick }, { surveyed }) {
   const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];

@@ -1,7 +1,6 @@
 // Picking on the image. A plane: drag along a bed or fracture, or click three points or more and press Enter; the plane is fitted
-// to them. A breakout: drag a box. A new pick is selected; a click selects
-// another. A digit sets the class of the selected pick and of the next one. A drag on the selected pick moves
-// it; at the crest or trough of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
+// to them. A breakout: drag a box. A new pick is selected; a click selects another. A digit sets the class of the selected pick and
+// of the next one. A drag on the selected pick moves it; at the crest or trough of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
 // A change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
@@ -596,7 +595,7 @@ function writeFields(pick, units) {
   box.hidden = !pick;
   if (box.dataset.fields !== wanted) {
     box.dataset.fields = wanted;
-    box.replaceChildren(...[...fields, ...(pick ? [['note', 'name']] : [])].map(([name, words]) => {
+    box.replaceChildren(...[...fields, ...(pick ? [['note', 'note']] : [])].map(([name, words]) => {
       const [label, input] = ['label', 'input'].map((tag) => document.createElement(tag));
       Object.assign(input, name === 'note' ? { name, type: 'text', maxLength: 80 } : { name, type: 'number', step: 'any' });
       label.append(`${words} ${isDepth(name) ? `${depthUnit(units)} ` : ''}`, input);
