@@ -244,7 +244,8 @@ def test_zones_are_one_if_the_hole_between_is_nearly_as_they_are_however_long() 
     wavering = classify(wall_of((10, GAUGE), (8, broken), (20, low), (8, broken), (10, GAUGE))).zones
     assert [(zone.kind, round(zone.length, 1)) for zone in wavering] == [("breakout", 3.6)]
     assert len(classify(wall_of((10, GAUGE), (8, broken), (20, slight), (8, broken), (10, GAUGE))).zones) == 2
-    wide = classify(wall_of((10, GAUGE), (8, GAUGE + 0.016), (40, GAUGE + 0.0055), (8, GAUGE + 0.016), (9, GAUGE))).zones
+    washed, between = GAUGE + 0.016, GAUGE + 0.0055
+    wide = classify(wall_of((10, GAUGE), (8, washed), (40, between), (8, washed), (10, GAUGE))).zones
     assert [(zone.kind, round(zone.length, 1)) for zone in wide] == [("washout", 0.8)] * 2, "a wide hole joins nothing"
     tight = (GAUGE - half / 2 for half in (0.009, 0.004))
     deep, shallow = tight
