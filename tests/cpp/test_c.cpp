@@ -575,6 +575,7 @@ void near_and_far() {
     helibore::Settings same{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0};
     same.estimator = helibore::Estimator::near_and_far;
     same.covariance = {0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5};
+    same.other_turns = {0.4, 0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5, 9.0};
     same.sigma = true;
     helibore::Wall expected(same);
     expected.append(hole.all());
@@ -587,6 +588,11 @@ void near_and_far() {
     REFUSED(hb_wall_create(&settings, &wall), "covariance_count = 13: must lie in 0 to 12");
     settings.covariance_count = static_cast<std::int32_t>(same.covariance.size());
     std::copy(same.covariance.begin(), same.covariance.end(), settings.covariance);
+    settings.other_turns_count = -1;
+    REFUSED(hb_wall_create(&settings, &wall), "other_turns_count = -1: must be 0 or more");
+    settings.other_turns_count = static_cast<std::int64_t>(same.other_turns.size());
+    REFUSED(hb_wall_create(&settings, &wall), "other_turns: must not be null");
+    settings.other_turns = same.other_turns.data();
     CHECK(hb_wall_create(&settings, &wall) == HB_OK);
     CHECK(append(wall, hole.all()) == HB_OK);
     std::vector<double> found(static_cast<std::size_t>(count)), sigma(found.size());

@@ -49,7 +49,9 @@ hb_settings to_c(const Settings& s) {
                   .instruction_set = static_cast<std::int32_t>(s.instruction_set),
                   .sigma = s.sigma,
                   .covariance_count = static_cast<std::int32_t>(s.covariance.size()),
-                  .covariance = {}};
+                  .covariance = {},
+                  .other_turns_count = 0,
+                  .other_turns = nullptr};
     std::ranges::copy(s.covariance, c.covariance);
     return c;
 }
@@ -66,6 +68,8 @@ Settings settings_of(const hb_settings* given) {
     require(s.covariance_count >= 0 && s.covariance_count <= std::ssize(s.covariance), "covariance_count",
             Index{s.covariance_count}, "must lie in 0 to 12");
     const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
+    require(s.other_turns_count >= 0, "other_turns_count", Index{s.other_turns_count}, "must be 0 or more");
+    const std::span<const double> turns = array("other_turns", s.other_turns, s.other_turns_count);
     return {.bit_diameter = s.bit_diameter,
             .sectors = s.sectors,
             .pitch = s.pitch,
@@ -83,6 +87,7 @@ Settings settings_of(const hb_settings* given) {
             .kriging_range = s.kriging_range,
             .nugget = s.nugget,
             .covariance = {s.covariance, s.covariance + s.covariance_count},
+            .other_turns = {turns.begin(), turns.end()},
             .sigma = s.sigma != 0,
             .direct = s.direct != 0,
             .most_vertices = s.most_vertices,
