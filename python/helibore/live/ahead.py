@@ -208,7 +208,7 @@ class Ahead:
         string = configuration.string or (RigidBody(size, limits.body, name="bit"),)
         length = max(body.position + body.length for body in string)
         top, bottom = bit - ahead - length, bit + ahead
-        known = id(wall), wall.sample_count, string, limits
+        known = id(wall), wall.settings, wall.sample_count, string, limits
         if known == self._known and self._ends[0] <= top and bottom <= self._ends[1]:
             return
         more = min(ahead, MORE) if self._moves else 0.0

@@ -24,6 +24,7 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import astuple, replace
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple, TypeVar
@@ -37,7 +38,7 @@ from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 from helibore.live.journal import checkpoint as checkpoints
 from helibore.live.journal import journal as journals
-from helibore.live.journal.journal import Journal, Segment, segment_of, segments
+from helibore.live.journal.journal import Journal, JournalFullError, Segment, segment_of, segments
 from helibore.live.journal.session_header import (
     changed_to,
     configuration_of,
@@ -151,6 +152,7 @@ class Live:
             self.journal.close()  # so that the next try can lock it
             raise
         self.model.events.log = self._log
+        self._fit(Update())  # what was due when the process before ended
 
     def _opening(self, configuration: Configuration) -> bytes:
         """Return the session header for ``configuration``, the payload of an OPENED record."""
@@ -266,8 +268,9 @@ class Live:
 
         Without ``configuration``, the journal's own configurations apply, and the wall equals the live wall in every
         bit. If ``configuration`` is given, it applies to all records from number ``since`` on: to all of them, or for
-        example from the record on at which another hole began. ``report`` is called with each segment after its records
-        are read.
+        example from the record on at which another hole began. The fits of ``estimator = "automatic"`` that the journal
+        has are then not used: the last one that is due is made at the end. ``report`` is called with each segment after
+        its records are read.
 
         Raises
         ------
@@ -282,6 +285,8 @@ class Live:
         for _ in read_into(live.model, FilePath(folder), report, change):
             pass
         live.configuration = live.model.configuration
+        while configuration and (fit := live.fit()) is not None:
+            live.model.use_fit(fit, live.model.wall_time, Update())
         return live
 
     @property
@@ -531,7 +536,26 @@ class Live:
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
         """Store a record in the journal, pass it to the model, and return what changed."""
         with self._lock:
-            return self._take(*self._stamp(source, connection, payload, kind))
+            update = self._take(*self._stamp(source, connection, payload, kind))
+            self._fit(update)
+            return update
+
+    def _fit(self, update: Update) -> None:
+        """Make the fits that are due, draw their walls again, and join the changes into ``update``."""
+        with suppress(JournalFullError):  # the next record tries again
+            while (fit := self.fit()) is not None:
+                merge(update, self._take(*self._stamp(0, 0, fit, journals.FITTED)))
+
+    def fit(self) -> bytes | None:
+        """Make a fit that is due and return what `store_fit` stores; None if none is due. It takes a second or two."""
+        for name, fits in list(self.model.fits.items()):
+            if due := fits.due:
+                return fits.fit(name, due, self.model.layers[name].basis)
+        return None
+
+    def store_fit(self, fit: bytes) -> Stored:
+        """Store what `fit` returned; the caller must pass the result to `draw`, in the order of `store`."""
+        return Stored(*self._stamp(0, 0, fit, journals.FITTED))
 
     def _take(self, records: Rows, payloads: list[bytes]) -> Update:
         try:
@@ -556,7 +580,7 @@ class Live:
             return
         self._logged[key] = now, 0
         since = f" (and {count:,} since the last line)" if count else ""
-        LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s%s", event, since)
+        LOGGER.log(logging.INFO if event.rule in ("connected", "estimator") else logging.WARNING, "%s%s", event, since)
 
     def at_one_moment(self, read: Callable[[], Read]) -> Read:
         """Call ``read`` while nothing is drawn and return its result; ``read`` must be quick: it should only copy."""

@@ -2,10 +2,11 @@
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
-Each source has a thread that reads it. Four more threads draw, sync the journal, watch, and write checkpoints. Bytes
-are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s; a store
-is asked again after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not
-reconnect at the same time.
+Each source has a thread that reads it. Five more threads draw, sync the journal, watch, write checkpoints, and make the
+fits of an automatic estimator, which take a second or two while the wall goes on growing as before. Bytes are in the
+journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s; a store is asked again
+after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not reconnect at the same
+time.
 """
 
 from __future__ import annotations
@@ -81,13 +82,18 @@ class Queue:
         """Store and queue a change of the configuration."""
         self._store(lambda: self._live.store_change(configuration))
 
-    def _store(self, store: Callable[[], Stored]) -> None:
+    def fit(self, fit: bytes) -> int:
+        """Store and queue what a fit found; return the number of its record."""
+        return int(self._store(lambda: self._live.store_fit(fit)).record["sequence"][0])
+
+    def _store(self, store: Callable[[], Stored]) -> Stored:
         with self._storing:  # the order of the queue is the order of the journal
             stored = store()
             with self._ready:
                 self._records.append(stored)
                 self._bytes += len(stored.payloads[0])
                 self._ready.notify_all()
+            return stored
 
     def take(self, seconds: float) -> list[Stored]:
         """Remove and return all queued records; if there are none, wait up to ``seconds`` for the first."""
@@ -174,7 +180,7 @@ class Server:
         self._changing = threading.Lock()
         self._following = self._checked(live.configuration)
         self._drawing = self.thread("draw", self._draw)
-        jobs = {"sync": self._sync, "watch": self._watch, "checkpoint": self._checkpoint}
+        jobs = {"sync": self._sync, "watch": self._watch, "checkpoint": self._checkpoint, "fit": self._fit}
         self._own = [self._drawing, *(self.thread(name, run) for name, run in jobs.items())]
 
     def start(self) -> None:
@@ -504,6 +510,19 @@ class Server:
             except (OSError, InputError) as error:
                 self.live.report("checkpoint", str(error))
                 self._stop.wait(CHECKPOINT_AGAIN)
+
+    def _fit(self) -> None:
+        """Make the fits that are due while the other threads go on; after an error of the disk, try again later."""
+        while not self._stop.wait(TICK):
+            if (fit := self.live.fit()) is None or self._stop.is_set():
+                continue
+            try:
+                number = self._queue.fit(fit)
+            except JournalFullError:
+                self._stop.wait(FIRST_WAIT)
+                continue
+            while self.live.model.next_sequence <= number and not self._stop.wait(TICK):
+                pass  # the drawing thread has not come to it yet
 
     def _watch(self) -> None:
         """Report silence when it begins, check the alarms, and begin the next configuration when it is due."""

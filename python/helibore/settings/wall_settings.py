@@ -90,7 +90,9 @@ class Settings(Declared, group="wall"):
         "term, and far on all sides (means of up to 32 samples where noise is large); a larger ``max_distance`` lets "
         "it use a shape that continues along the hole. "
         "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
-        "that are left out or, between arms, by the covariance; a live wall must be given one of the three.",
+        "that are left out or, between arms, by the covariance. Where samples arrive later, a live configuration takes "
+        "it: its walls begin with inverse distance, and are fitted at 5, 10, 20 and 40 m. `Wall` must be given one of "
+        "the three.",
     ] = "inverse-distance"  # fmt: skip
     kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
         "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "

@@ -102,6 +102,7 @@ class Feed:
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
             tuple(named), basis_of(wall), basis_text_of(wall), reference or reference_of(wall), reference_assumed(wall),
         )  # fmt: skip
+        self._settings = settings  # with which the scene's radii were computed: a live wall may find others
         self._first = first_vertex(wall)  # the wall and its changes count vertices from here, the scene from 0
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
@@ -242,6 +243,9 @@ class Feed:
                 self._closed.wait(max(0.0, min(rest, STRING_SECONDS) if self._string else rest))
 
     def _read(self, ranges: list[Range], settled: int) -> None:
+        if (settings := self._wall.settings) != self._settings:
+            self._settings, ranges = settings, [(0, len(self._wall))]
+            self.scene.redraw()
         for start, stop in ranges:
             for first in range(start, min(stop, len(self._wall)), CHUNK):
                 last = min(first + CHUNK, stop, len(self._wall))

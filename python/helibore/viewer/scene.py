@@ -408,6 +408,11 @@ class Scene:
         with self.lock:
             self.settled = max(self.settled, min(below, self.levels[0].size))
 
+    def redraw(self) -> None:
+        """Note that the wall was drawn again with other settings: what is written next is no re-scan."""
+        with self.lock:
+            self.settled = 0
+
     def frozen_copy(self, start: int, stop: int) -> Scene:
         """Return a copy that later changes do not reach: the vertices [start, stop) and the whole overview.
 

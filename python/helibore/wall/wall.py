@@ -88,6 +88,7 @@ class Wall(WallReads):
             rule = "must be given where samples arrive later; reconstruct() finds it"
             raise InputError("kriging_range", rule, setting="wall.kriging_range")
         self._threads = thread_count(threads)
+        self._instruction_set = instruction_set
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._kept = KeptLogs()  # of the present samples
         self._growing = _core.WallLock()  # held by an append, and while all columns are read together
@@ -155,6 +156,22 @@ class Wall(WallReads):
             if arms is not None:
                 self._arms.append(arms)
         return change
+
+    def _redraw(self, settings: Settings) -> Change:
+        """Draw the wall again with other settings of the estimator, while no other thread appends.
+
+        Other threads read the wall before until the new one is drawn.
+        """
+        core = _core.Wall(vars(settings), self._threads, self._instruction_set)
+        depth, toolface, radius, *time = self._core.samples()
+        change = Change(*core.append(depth, toolface, radius, time[0] if time else None))
+        with self._growing:
+            self._core, self._settings, self._kept = core, settings, KeptLogs()
+            attributes, self._attributes = self._attributes, self._no_attributes()
+        for name, values in attributes.items():
+            self._attributes.restore(name, attributes.start_depth(name), values)
+        self._attributes.units.update(attributes.units)
+        return Change(change.ranges, change.settled, 0, 0)
 
     def __len__(self) -> int:
         return len(self._core)
@@ -429,8 +446,8 @@ class Wall(WallReads):
         self._intervals = checked_intervals(intervals)
 
     def _state(self, samples: bool | None = True) -> WallState:
-        core = self._core
         with self._growing:  # other threads may set images meanwhile: each step here copies a whole dict or list
+            core = self._core
             with_samples = bool(self._arms) if samples is None else samples
             columns = core.samples() if with_samples else ()
             state = WallState(

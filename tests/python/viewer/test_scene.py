@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -393,6 +394,26 @@ def test_the_uncertainty_of_a_radius_is_a_level_that_keeps_still_while_it_hardly
     scene.set_trust(none, sigma)
     assert [(message.first, message.count) for message in page.drain() if message.level == 0] == [(K, 1)]
     assert int(over.texels[: over.size, STATE].max()) >> UNCERTAINTY == 8, "the largest of its vertices"
+
+
+def test_a_wall_that_is_drawn_again_with_other_settings_keeps_its_page_and_is_not_rescanned() -> None:
+    depth = np.arange(2000.0, 2004.0, 0.01)
+    radius = 0.108 + 0.004 * np.sin(depth * 900)
+    wall = hb.Wall(bit_diameter=0.216, start_depth=2000.0, sectors=8)
+    wall.append(depth, depth * 9000 % 360, radius)
+    feed = Feed(wall, path=None, attributes={}, well="")
+    scene, session = feed.scene, feed.scene.session
+    before = scene.levels[0].texels[: len(wall), RADIUS].copy()
+    wall._redraw(replace(wall.settings, estimator="kriging", kriging_range=0.2))
+    feed._read([(0, 1)], wall.settled)
+    texels = scene.levels[0].texels[: len(wall)]
+    assert (texels[:, RADIUS] != before).mean() > 0.5
+    np.testing.assert_allclose(radius_of(texels, scene.shape.radius_unit), wall.radius, atol=scene.shape.radius_unit)
+    assert not (texels[:, STATE] & RESCANNED).any()
+    assert scene.session == session
+    wall.append(depth + 0.001, depth * 9000 % 360, radius + 0.002)
+    feed._read([(0, len(wall))], wall.settled)
+    assert (scene.levels[0].texels[: len(wall), STATE] & RESCANNED).any(), "a later pass is one"
 
 
 def test_a_wall_says_how_sure_its_radii_and_its_zones_are() -> None:

@@ -43,8 +43,9 @@ from helibore.base.arrays import Rows
 from helibore.base.atomic_file import PRIVATE, make_folder
 from helibore.base.errors import InputError
 
-BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
-"""Kinds of record: received bytes; the journal was opened; a connection began or ended; values pushed by the host."""
+BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE, FITTED = range(8)
+"""Kinds of record: received bytes; the journal was opened; a connection began or ended; values pushed by the host; the
+settings that a fit found for a layer whose estimator is automatic."""
 
 HEADER = struct.Struct("<8sIIQII")  # magic, version, segment, first sequence number, salt, checksum
 MAGIC = b"HELIBJ\r\n"

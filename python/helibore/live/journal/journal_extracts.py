@@ -24,6 +24,7 @@ from helibore.live.rules.sources import Source
 KINDS = {
     journal.BYTES: "bytes", journal.OPENED: "opened", journal.CONNECTED: "connected", journal.CLOSED: "closed",
     journal.SAMPLES: "samples", journal.STATIONS: "stations", journal.IMAGE: "image",
+    journal.FITTED: "fitted",
 }  # fmt: skip
 """The name of each kind of record."""
 COLUMNS = {journal.SAMPLES: ("depth_m", "toolface_deg", "radius_m", "time_s"),

@@ -32,6 +32,7 @@ from helibore.live.model.clock import ModelClock
 from helibore.live.model.depth import RigHistory
 from helibore.live.model.depth_jumps import CONFIRMED_WITHIN, HeldSample
 from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
+from helibore.live.model.fits import LayerFits, fits_of, read_fit
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
@@ -83,6 +84,8 @@ class Model:
         Receive time (ns since 1970) of the latest record; the number of the record after it.
     passes
         The log that decides the pass of each sample and lists the passes.
+    fits
+        The fits of each layer, if the estimator is 'automatic'.
     stretches
         One entry for each change of the configuration: utc and record of the change, the new text and its meaning.
     events
@@ -105,7 +108,7 @@ class Model:
     """
 
     STATE = (
-        "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
+        "fits", "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
         "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
         "channels", "left",
@@ -121,7 +124,8 @@ class Model:
         self.events = EventBook()
         self.counts: Counter[str] = Counter()
         self.outcomes: Counter[tuple[str, str]] = Counter()
-        self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
+        self.fits: dict[str, LayerFits] = {}
+        self.layers = {name: self._begin_wall(name) for name in configuration.layers}
         self._given_hole, self._first_hole, self.main = configuration.hole, configuration.hole.name, "main"
         self._drawn_layers = {name: name for name in configuration.layers}  # in the hole that is drilled now
         self._hole_of = dict.fromkeys(configuration.layers, "main")
@@ -168,6 +172,8 @@ class Model:
     @samples.setter
     def samples(self, samples: dict[str, tuple[tuple[Floats, ...], int]]) -> None:
         for name, (columns, checksum) in samples.items():
+            if name in self.fits:
+                self.layers[name]._redraw(self.fits[name].settings)
             self.layers[name].append(*columns)
             if _checksum(self.layers[name]._state()) != checksum:
                 raise InputError(f"layer {name}", "its samples give another wall than before")
@@ -186,6 +192,12 @@ class Model:
         """Return the rows of an image; if there are none yet, make an empty `ImageRows`."""
         return self.images.setdefault(name, ImageRows(sectors, unit, self.configuration.samples.image_step))
 
+    def _begin_wall(self, layer: str, before: str = "") -> Wall:
+        """Return an empty wall for a layer; with what was found for the layer ``before``, if it is fitted."""
+        if fits := fits_of(self.configuration.wall, self.fits.get(before)):
+            self.fits[layer] = fits
+        return Wall(**self.configuration.wall | (vars(fits.settings) if fits else {}))
+
     def path_of(self, layer: str) -> Path | None:
         """Return the path of the hole of a layer; None while there is no survey of it."""
         hole = self._hole_of[layer]
@@ -199,18 +211,33 @@ class Model:
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
         """Read records in order and return what changed; any grouping of the same records gives the same walls."""
         update = Update()
-        opened = (records["kind"] == journal.OPENED).nonzero()[0].tolist()
+        kinds = records["kind"]
         if len(records):
-            self.records += len(records) - len(opened)
+            self.records += int(np.count_nonzero(kinds != journal.OPENED))
             self.wall_time = int(records["wall"][-1])
             self.next_sequence = int(records["sequence"][-1]) + 1
-        for start, stop in zip([0, *opened], [*opened, len(records)], strict=True):
-            if start in opened and start < stop:
+        cuts = np.flatnonzero((kinds == journal.OPENED) | (kinds == journal.FITTED)).tolist()
+        for start, stop in itertools.pairwise(sorted({0, *cuts, len(records)})):
+            if kinds[start] == journal.OPENED:
                 self._open(records[start], payloads[start])
-            if start < stop:
-                self._take_session(records[start:stop], payloads[start:stop], update)
+            elif kinds[start] == journal.FITTED and self.follows:
+                with self._set_aside(records[start], "fit"):
+                    self.use_fit(payloads[start], int(records["wall"][start]), update)
+            self._take_session(records[start:stop], payloads[start:stop], update)
         update.events = self.events.take()
         return update
+
+    def use_fit(self, payload: bytes, wall: int, update: Update) -> None:
+        """Draw a layer again with what a fit found, the payload of a record FITTED that came at ``wall``."""
+        name, length, found, text = read_fit(payload)
+        if name not in self.fits:
+            raise InputError("fit.layer", "must be a layer whose estimator is automatic", repr(name))
+        fits, layer = self.fits[name], self.layers[name]
+        fits.use(length, found)
+        if fits.settings != layer.settings:
+            update.changes[name] = joined(update.changes.get(name), layer._redraw(fits.settings))
+        said = f"layer {name}: from its first {length:g} m: {text}"
+        self.events.report(Event(wall, "", 0, 0, -1, "estimator", said))
 
     def report(self, wall: int, rule: str, text: str, source: str = "", *, recorded: bool = False) -> None:
         """Report an event at ``wall``, ns since 1970; ``recorded``: a replay of the journal reports it again."""
@@ -317,11 +344,13 @@ class Model:
         for name, layer in names.items():
             if layer in self.layers:
                 continue
-            wall = new[layer] = Wall(**self.configuration.wall)
+            wall = new[layer] = self._begin_wall(layer, self._drawn_layers[name])
             before = self.layers[self._drawn_layers[name]]
             if hole.kickoff is not None and before.sample_count:
                 columns = before._state().sample_columns
                 wall.append(*(column[columns[0] <= hole.kickoff] for column in columns))
+                if layer in self.fits:  # the settings found are of these samples too: no fit is due
+                    self.fits[layer].count(columns[0][columns[0] <= hole.kickoff])
             self._takes[layer], self._cell_counts[layer] = self._takes[name], {}
             self._hole_of[layer] = names["main"]
         self.layers = {**self.layers, **new}  # another dictionary: other threads go through the old one
@@ -593,12 +622,19 @@ class Model:
 
         If the layer refuses the samples, they are appended record by record, without the wrong records.
         """
-        layer = self.layers[name]
+        layer, fits = self.layers[name], self.fits.get(name)
+        length, stop = fits.reached(columns[0]) if fits else (0.0, 0)
+        before = layer._state().sample_columns if length and layer.sample_count else (np.empty(0),) * 4
         try:
             change = layer.append(*columns)
         except (ValueError, MemoryError, RuntimeError) as error:
             failure = error
         else:
+            if fits:
+                fits.count(columns[0])
+            if fits and length:
+                first = tuple(column[:stop] for column in columns)
+                fits.due = length, tuple(np.concatenate(both) for both in zip(before, first, strict=True))
             update.changes[name] = joined(update.changes.get(name), change)
             return np.ones(len(rows), bool)
         records = rows["received"] >> 20

@@ -344,8 +344,9 @@ class Configuration(LiveTables):
         if self.wall.get("arm_biases") is not None:
             rule = "must be left out: live samples have no arm numbers"
             raise InputError("wall.arm_biases", rule, setting="wall.arm_biases")
+        automatic = self.wall.get("estimator") == "automatic"
         try:
-            Wall(**self.wall)
+            Wall(**self.wall | ({"estimator": "inverse-distance"} if automatic else {}))  # with which it begins
         except InputError as error:
             raise InputError(f"wall.{error.place}", error.rule, error.value, error.setting) from None
         if not self.sources:
