@@ -8,6 +8,10 @@ expected values over the deviations that are likely, by the restricted likelihoo
 prior. A shape that continues along the whole hole is always thought possible: of fixed arms, which only see such a
 shape, the biases are small. `Settings.arm_biases` subtracts them.
 
+Large biases are no proof that arms are off: a breakout that turns may turn the tool, whose arms then follow the shape.
+The covariance of the samples as they are, with a shape that turns, competes with that of the samples less biases. With
+either one, shape and biases have a likelihood, and the greater one decides.
+
 A wall is a weighted mean of samples. With w the sums of the weights of each arm at a vertex and D the expected products
 of what remains of the biases, they add w D w to the variance.
 """
@@ -15,6 +19,7 @@ of what remains of the biases, they add w D w to the variance.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,14 +27,12 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, distinct
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import FEWEST, Covariance, covariance_of, fit_covariance
+from helibore.wall.covariance import FEWEST, Covariance, Likely, covariance_of, fit_covariance, likely_covariances
 from helibore.wall.estimates import Columns, in_depth_order
 from helibore.wall.interpolation import canonical_order
 
-_DEVIATIONS = np.geomspace(1e-5, 3e-3, 40)  # metres
+_DEVIATIONS = np.geomspace(1e-5, 3e-2, 60)  # metres
 _USUAL = 2.5e-4  # metres, 0.01 inch; the logarithm of the deviation has a normal prior about this, of deviation 1
-_GREATEST = 2e-3
-"""Metres: with a larger bias, the arms follow the shape of the hole, as those of a tool that a breakout turns."""
 _SMALL = 0.1
 """Biases up to this share of the noise of a sample are none."""
 _WHOLE_HOLE = 1e6
@@ -52,12 +55,20 @@ def arm_numbers(samples: Columns, arms: Caliper | None) -> Integers | None:
     return numbers if 0 < numbers.max(initial=0) < MOST_ARMS else None
 
 
-def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> tuple[Floats, Floats]:
-    """Return the biases of arms 0, 1, ..., metres, and their covariance, m^2; 0 for fewer samples than a fit needs."""
+class Found(NamedTuple):
+    """The biases of arms 0, 1, ..."""
+
+    biases: Floats  # metres
+    covariance: Floats  # of the biases, m^2, (a, a)
+    likelihood: float  # logarithm of the restricted likelihood of samples with shape and biases, but for a constant
+
+
+def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> Found:
+    """Return the biases of arms 0, 1, ...; 0 for fewer samples than a fit needs."""
     depth, toolface, radius = samples
     count = int(arm.max()) + 1
     if depth.size < FEWEST:
-        return np.zeros(count), np.zeros((count, count))
+        return Found(np.zeros(count), np.zeros((count, count)), 0.0)
     # The numbers of samples and arms are the seed: the radii with and without biases have the same ones.
     rng = np.random.default_rng([depth.size, count])
     rows = np.sort(rng.choice(depth.size, min(_MOST, depth.size), replace=False))
@@ -67,7 +78,10 @@ def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> tupl
     matrix = whole.at(turn, along) + covariance.noise * np.eye(rows.size)
     of_arm = (arm[rows][:, None] == np.arange(count)).astype(np.float64)
     sides = np.column_stack([np.ones(rows.size), radius[rows] - covariance.radius, of_arm])
-    products = sides.T @ np.linalg.solve(matrix, sides)
+    root = np.linalg.cholesky(matrix)
+    sides = np.linalg.solve(root, sides)
+    products = sides.T @ sides
+    shape = 2.0 * np.sum(np.log(root.diagonal())) + np.log(products[0, 0])
     products -= np.outer(products[0], products[0]) / products[0, 0]  # the mean is free
     size, axes = np.linalg.eigh(products[2:, 2:])
     toward, size = axes.T @ products[2:, 1], np.maximum(size, 0.0)
@@ -75,15 +89,14 @@ def find_biases(samples: Columns, arm: Integers, covariance: Covariance) -> tupl
     spread = variances / (1.0 + variances * size)  # of each axis, by deviation
     likelihood = np.sum(toward**2 * spread + np.log(spread / variances), axis=1) - np.log(_DEVIATIONS / _USUAL) ** 2
     weights = np.exp(0.5 * (likelihood - likelihood.max()))
+    of_both = np.log(weights.sum()) + 0.5 * (likelihood.max() - shape - products[1, 1])
     weights /= weights.sum()
     each = spread * toward
     mean = weights @ each
     off = each - mean
     inner = np.diag(weights @ spread) + (weights[:, None] * off).T @ off
     biases: Floats = axes @ mean
-    if np.abs(biases).max() > _GREATEST:
-        return np.zeros(count), np.zeros((count, count))
-    return biases, axes @ inner @ axes.T
+    return Found(biases, axes @ inner @ axes.T, float(of_both))
 
 
 def remaining_products(samples: Columns, arms: Caliper | None, settings: Settings) -> tuple[Integers, Floats] | None:
@@ -96,7 +109,7 @@ def remaining_products(samples: Columns, arms: Caliper | None, settings: Setting
         return None
     subtracted = biases_of(settings, distinct(arms.arm))
     measured = samples[0], samples[1], samples[2] + subtracted[arm]
-    found, covariance = find_biases(measured, arm, covariance_of(settings.covariance or ()))
+    found, covariance, _ = find_biases(measured, arm, covariance_of(settings.covariance or ()))
     off = found - subtracted
     return arm, covariance + np.outer(off, off)
 
@@ -120,7 +133,7 @@ def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tupl
         found = covariance or fit_covariance(less, turning=False)
         if found is None:
             break
-        before, (biases, _) = biases, find_biases(samples, arm, found)
+        before, biases = biases, find_biases(samples, arm, found).biases
         if covariance or np.abs(biases - before).max() <= np.sqrt(found.noise):
             break
     if found is None or np.abs(biases).max() <= _SMALL * np.sqrt(found.noise):
@@ -128,6 +141,20 @@ def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tupl
     by_number = np.zeros(int(numbers[-1]) + 1)
     by_number[numbers] = np.round(biases, 7)
     return tuple(by_number.tolist())
+
+
+def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covariance) -> Likely:
+    """Return the covariances of the samples as they are, if these are likelier than ``biases`` and a shape; else [].
+
+    ``less`` is the covariance of the samples less the biases. Biases below the noise do not hide a shape.
+    """
+    if caliper.arm is None or max(map(abs, biases)) <= np.sqrt(less.noise):
+        return []
+    samples = in_depth_order(caliper)
+    arm = np.unique(caliper.arm, return_inverse=True)[1].reshape(-1)[np.argsort(caliper.depth, kind="stable")]
+    likely = likely_covariances(samples)
+    as_they_are, without = (find_biases(samples, arm, of).likelihood for of in (likely[0][0], less))
+    return likely if as_they_are > without else []
 
 
 def biases_of(settings: Settings, numbers: Integers) -> Floats:

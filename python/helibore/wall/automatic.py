@@ -19,7 +19,7 @@ from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
-from helibore.wall.arm_biases import found_biases, without_biases
+from helibore.wall.arm_biases import follow_the_shape, found_biases, without_biases
 from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
 from helibore.wall.covariance import (
     FEWEST,
@@ -120,6 +120,7 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     if not likely:
         return Choice(simple, {}, reason="all radii are equal")
     if seeks and settings.arm_biases:
+        likely = follow_the_shape(caliper, settings.arm_biases, likely[0][0]) or likely
         settings = replace(settings, arm_biases=found_biases(caliper, likely[0][0]))
         samples = in_depth_order(without_biases(caliper, settings))
     if not leaves_most_unmeasured(samples, settings):  # near samples decide, whatever the turn is

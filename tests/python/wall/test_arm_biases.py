@@ -37,7 +37,7 @@ def oval(toolface: Floats) -> Floats:
     return np.asarray(0.112 + 0.005 * np.cos(2 * np.radians(toolface - 30.0)))
 
 
-@pytest.mark.parametrize("bias", [0.0, 1e-3])
+@pytest.mark.parametrize("bias", [0.0, 1e-3, 6e-3])
 def test_the_biases_are_found_as_well_as_they_say(bias: float) -> None:
     caliper, biases = tool(bias)
     settings = choose(caliper, hb.Settings(bit_diameter=BIT, estimator="automatic")).settings
@@ -49,7 +49,7 @@ def test_the_biases_are_found_as_well_as_they_say(bias: float) -> None:
     arm = arm_numbers(samples, caliper)
     assert arm is not None
     np.testing.assert_array_equal(np.unique(arm), np.arange(6))
-    uncertain = find_biases(samples, arm, covariance_of(settings.covariance or ()))[1]
+    uncertain = find_biases(samples, arm, covariance_of(settings.covariance or ())).covariance
     off = found - biases + biases.mean()
     np.testing.assert_allclose(off, 0.0, atol=1.2e-4)
     across = np.eye(6) - 1.0 / 6.0
@@ -64,21 +64,48 @@ def test_biases_that_the_shape_may_cause_are_small() -> None:
     arm = np.tile(np.arange(4), depth.size // 4)
     radius = 0.11 + 0.005 * np.cos(np.pi * arm) + np.random.default_rng(4).normal(0.0, 3e-4, depth.size)
     oval_hole = depth, arm * 90.0, radius  # or a round one, and biases of 5 mm
-    found, uncertain = find_biases(oval_hole, arm, covariance_of(COVARIANCE))
+    found, uncertain, _ = find_biases(oval_hole, arm, covariance_of(COVARIANCE))
     assert np.abs(found).max() < 1e-3
     assert np.sqrt(uncertain.diagonal()).min() > 1e-4
 
 
-def test_arms_that_follow_the_shape_have_no_biases() -> None:
-    caliper, _ = tool(0.0)
-    assert caliper.arm is not None
-    radius = caliper.radius + 0.004 * (caliper.arm % 3 == 0)  # two opposite arms in a breakout that turns the tool
-    follows = hb.Caliper(caliper.depth, caliper.toolface, radius, arm=caliper.arm)
-    arm = arm_numbers(in_depth_order(follows), follows)
-    assert arm is not None
-    found, uncertain = find_biases(in_depth_order(follows), arm, covariance_of(COVARIANCE))
-    assert not found.any()
-    assert not uncertain.any()
+def test_arms_that_follow_a_breakout_that_turns_have_no_biases() -> None:
+    depth = np.tile(np.arange(0.0, 12.0, 0.05), 4)
+    arm = np.repeat(np.arange(4), depth.size // 4)
+    toolface = 70.0 + 8.0 * depth + 90.0 * arm  # two opposite arms stay in the breakout
+
+    def truth(depth: Floats, toolface: Floats) -> Floats:
+        away = (toolface - 70.0 - 8.0 * depth + 90.0) % 180.0 - 90.0
+        return np.asarray(0.109 + 0.004 * np.exp(-((away / 22.0) ** 2)))
+
+    radius = truth(depth, toolface) + np.random.default_rng(3).normal(0.0, 3e-4, depth.size)
+    caliper = hb.Caliper(depth, toolface % 360.0, radius, arm=arm)
+    as_bias = np.array(found_biases(caliper))  # of a shape that does not turn
+    assert np.abs(as_bias).min() > 1e-3
+    settings = choose(caliper, hb.Settings(bit_diameter=BIT, estimator="automatic")).settings
+    assert np.abs(settings.arm_biases or 0.0).max() < 1e-4
+    assert covariance_of(settings.covariance or ()).turn == pytest.approx(8.0, abs=0.5)
+    walls = [hb.reconstruct(caliper, **vars(of)) for of in (settings, hb.Settings(bit_diameter=BIT))]
+    found, simple = (np.sqrt(np.mean((of.radius - truth(of.depth, of.toolface)) ** 2)) for of in walls)
+    assert found <= 1.05 * simple  # with biases for shape 1.27
+
+
+def test_an_arm_that_is_far_off_is_found_where_passes_cross() -> None:
+    rng = np.random.default_rng(7)
+    depth = np.tile(np.arange(0.0, 12.0, 0.05), 6)
+    number, arm = np.divmod(np.arange(depth.size) // (depth.size // 6), 2)
+    first = np.array([0.0, 3.0, 50.0])[number]  # the last pass turns, two do not
+    toolface = (first + 90.0 * arm + np.where(number == 2, 9.0 * depth, 0.0)) % 360.0
+    radius = oval(toolface) + np.where(arm == 0, 0.0095, 0.0) + rng.normal(0.0, 3e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT, estimator="automatic")
+    one, other = wall.settings.arm_biases or (0.0, 0.0)
+    assert one - other == pytest.approx(0.0095, abs=3e-4)
+    shape = wall.radius - oval(wall.toolface)
+    assert np.sqrt(np.mean((shape - shape.mean()) ** 2)) < 5e-4  # what the arms share is not known
+    assert np.abs(shape.mean()) == pytest.approx(0.5 * 0.0095, abs=3e-4)
+    known = np.isfinite(wall.sigma)
+    assert known.mean() > 0.5
+    assert np.mean((np.abs(shape) <= 1.96 * wall.sigma)[known]) > 0.9  # and sigma says so
 
 
 def test_rows_in_place_of_arms_add_nothing_to_sigma() -> None:
