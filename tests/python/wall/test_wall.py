@@ -376,3 +376,27 @@ def test_memory_goes_with_the_last_reference(tmp_path: Path) -> None:
             assert [thing() for thing in left] == [None] * len(left)
     finally:
         gc.enable()
+
+
+def test_a_wall_drawn_again_with_other_settings_has_the_bits_of_a_new_one_and_keeps_what_was_set_on_it() -> None:
+    depth, toolface, radius, *_ = random_hole(6, "oval", 800, 4.0)
+    first, more = slice(None, 500), slice(500, None)
+    settings = {"bit_diameter": BIT, "start_depth": float(depth.min()), "sectors": 16}
+    wall, other = hb.Wall(**settings), {**settings, "estimator": "kriging", "kriging_range": 0.3, "neighbors": 12}
+    wall.append(depth[first], toolface[first], radius[first])
+    ages = np.arange(len(wall) - 17.0)
+    wall.attributes["age"] = ages
+    wall.attributes.units["age"] = "h"
+    before = wall._state()
+    change = wall._redraw(hb.Settings(**other))
+    new = rebuild((depth[first], toolface[first], radius[first]), **other)
+    assert bits(wall) == bits(new)
+    assert (wall.settings, wall.settled) == (new.settings, new.settled)
+    assert (change.ranges.tolist(), change.settled, change.accepted) == ([[0, len(wall)]], wall.settled, 0)
+    assert before.settings.estimator == "inverse-distance"
+    wall.append(depth[more], toolface[more], radius[more])
+    assert bits(wall) == bits(rebuild((depth, toolface, radius), **other))
+    kept = wall.attributes["age"]
+    np.testing.assert_array_equal(kept[: ages.size], ages)
+    assert wall.attributes.units == {"age": "h"}
+    wall.attributes["later"] = np.zeros(len(wall) - 17)
