@@ -302,6 +302,29 @@ def test_a_fit_that_fails_leaves_the_wall_as_it_is_and_says_why(monkeypatch):
     assert live.model.events.latest[-1].text == f"layer main: from its first 10 m: {reason}"
 
 
+def test_a_wall_that_memory_is_too_short_to_draw_again_stays_and_is_drawn_at_the_next_length(asked, monkeypatch):
+    redraw, refused = hb.Wall._redraw, []
+
+    def short(self, settings):
+        refused.append(settings)
+        if len(refused) == 1:
+            raise MemoryError
+        return redraw(self, settings)
+
+    monkeypatch.setattr(hb.Wall, "_redraw", short)
+    live = Live(parse(SENT), clock=Clock())
+    parts = framed(oval(110.5))
+    for part in parts[:25]:
+        live.receive("mwd", part)
+    assert live.wall.settings.estimator == "inverse-distance"
+    assert "fit: MemoryError: " in live.model.set_aside.values()
+    for part in parts[25:]:
+        live.receive("mwd", part)
+    assert asked == [64, 126]
+    assert live.wall.settings == refused[1]
+    assert is_its_batch(live.wall)
+
+
 def test_a_gap_and_a_jump_of_depth_do_not_count_as_hole():
     rows = oval(102.0)
     live = Live(parse(SENT), clock=Clock())
@@ -368,11 +391,13 @@ def test_other_walls_take_no_fit_and_a_wrong_record_is_set_aside():
         (b"\xff", "UnicodeDecodeError"),
         (b'{"layer": "reamed", "length": 5, "settings": {}, "text": ""}', "fit.layer = 'reamed': must be a layer"),
         (b'{"layer": "main", "length": 5, "settings": {"sectors": 1}, "text": ""}', "sectors = 1: must lie in 3"),
+        (b'{"layer": "main", "length": 5, "settings": {"estimator": "near-and-far"}, "text": ""}', "covariance"),
     ):
         live = Live(parse(SENT), clock=Clock())
         live._store(0, 0, payload, journal.FITTED)
         assert list(live.model.set_aside) == [1]
         assert why in live.model.set_aside[1]
+        assert live.wall.settings == live.model.fits["main"].settings
         assert live.wall.settings.estimator == "inverse-distance"
     live = Live(parse(SENT.replace('"automatic"', '"inverse-distance"')), clock=Clock())
     live._store(0, 0, b'{"layer": "main", "length": 5, "settings": {}, "text": ""}', journal.FITTED)

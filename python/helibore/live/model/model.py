@@ -232,10 +232,8 @@ class Model:
         name, length, found, text = read_fit(payload)
         if name not in self.fits:
             raise InputError("fit.layer", "must be a layer whose estimator is automatic", repr(name))
-        fits, layer = self.fits[name], self.layers[name]
-        fits.use(length, found)
-        if fits.settings != layer.settings:
-            update.changes[name] = joined(update.changes.get(name), layer._redraw(fits.settings))
+        if (change := self.fits[name].use(length, found, self.layers[name])) is not None:
+            update.changes[name] = joined(update.changes.get(name), change)
         said = f"layer {name}: from its first {length:g} m: {text}"
         self.events.report(Event(wall, "", 0, 0, -1, "estimator", said))
 
