@@ -13,8 +13,9 @@ biases is the posterior covariance plus that of the scores of intervals of 10 m 
 samples), since walls are correlated along the hole.
 
 Only differences can be found. Zero is the mean of all arms; if some arms drift while others are steady, zero is the
-mean of the steady arms. A bias that is not known well enough, for example because its deviation exceeds 0.127 mm, is
-not subtracted (`Bias.table`). Gain errors, and biases that change within a pass, are not supported.
+mean of the steady arms. A bias that is not known well enough, for example because its deviation exceeds both 0.127 mm
+and a third of the bias, is not subtracted (`Bias.table`). Gain errors, and biases that change within a pass, are not
+supported.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ __all__ = ["Bias", "arm_sides", "find_bias"]
 
 _STEEPNESS = 0.001  # m: expected change of a wall from the middle of a cell to its edge
 _SHAPE = 0.01  # m: expected departure of a sector from the mean radius along the whole log
-_KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted only if its deviation is at most this
+_KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted if its deviation is at most this,
+_CERTAIN = 1.0 / 3.0  # or at most this share of the bias
 _DOUBT = 0.001  # m: an arm whose unknown bias may be larger than this is left out
 _STRETCH = 10.0  # m: walls are correlated along the hole over this length
 _PAIRS_AT_ONCE = 1 << 16
@@ -53,8 +55,9 @@ class Bias:
     by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
     estimate: Floats  # best estimate of the whole bias of each arm in each pass, (p, a)
     sigma: Floats  # standard deviation of the estimate, (p, a)
-    # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
-    # cannot be compared with a steady arm, and where less than half of an arm's samples can be compared.
+    # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds both 0.127 mm and a third of it, for an
+    # arm that drifts and cannot be compared with a steady arm, and where less than half of an arm's samples can be
+    # compared.
     table: Floats
     samples: Integers  # number of samples of each pass and arm, (p, a)
     part: Integers  # entries (a pass and an arm) with equal numbers can be compared, and share one zero, (p, a)
@@ -146,8 +149,8 @@ class Bias:
         ]
         if left:
             lines.append(
-                f"the bias of {_few(left)} is not known: its deviation exceeds {1e3 * _KNOWN:g} mm, or too few samples "
-                "can be compared with a steady arm; not corrected"
+                f"the bias of {_few(left)} is not known: its deviation exceeds {1e3 * _KNOWN:g} mm and a third of it, "
+                "or too few samples can be compared with a steady arm; not corrected"
             )
         return lines
 
@@ -300,7 +303,7 @@ def _referred(
         if each >= 0:
             held = np.bincount(arm, np.where(mine, count, 0)) / np.bincount(arm, count)
             sure = sure and held[held > 0].min() >= 0.5  # few passes do not show which arm drifts
-            known |= mine & (sigma <= _KNOWN) & sure
+            known |= mine & (sigma <= np.maximum(_KNOWN, _CERTAIN * np.abs(estimate))) & sure
             beside = distinct(arm[mine & known & seen])
             separated[beside] |= beside.size > 1
     table, estimate, sigma = (of.reshape(shape) for of in (np.where(known, estimate, np.nan), estimate, sigma))
