@@ -3,6 +3,8 @@
 //     turn    . . w w w . w w w w . . . b b b b .      kind of each turn by the criteria; .: gauge
 //     zone        |-- washout --|       |break-|       runs of one kind are joined over short gaps
 //
+// A breakout or washout goes on, in gaps and at its ends, where the hole has nearly as much as in the middle.
+//
 // The kind of a turn is the first of these whose rule fits (bit: the bit diameter):
 //
 //     undergauge   least diameter < bit - limit

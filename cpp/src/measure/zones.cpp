@@ -31,7 +31,7 @@ constexpr double opposite = 140.0;     // least degrees between opposite lobes
 constexpr double widest_key_seat = 150.0;                // degrees
 constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
 constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
-constexpr double nearly = 0.65;      // of the smaller of two runs of a kind: they are one if no turn between has less
+constexpr double nearly = 0.65;      // of the median of a run: a zone goes on where the hole has as much
 constexpr double long_share = 0.65;  // of a lobe's height, as a mean over the least length of a zone
 constexpr double rounding = 1e-9;    // metres
 
@@ -200,26 +200,26 @@ class Finder {
         for (const HoleKind kind : {HoleKind::washout, HoleKind::undergauge, HoleKind::breakout, HoleKind::key_seat}) {
             const auto fits = [&](std::size_t turn) { return kinds[turn] == kind && is_free[turn] != 0; };
             std::vector<Run> joined;
-            double greatest = 0.0;  // measure of a turn of the last run
             for (std::size_t first = 0, stop = 0; first < count_; first = std::max(stop, first + 1)) {
                 for (stop = first; stop < count_ && fits(stop);) ++stop;
                 if (stop == first) continue;
-                double own = 0.0;
-                for (std::size_t turn = first; turn < stop; ++turn) own = std::max(own, measure_of(kind, turn));
-                const double least = nearly * std::min(greatest, own);
-                if (!joined.empty() && is_gap(kind, joined.back().stop, first, least, is_free)) {
-                    joined.back().stop = stop;
-                    greatest = std::max(greatest, own);
+                const std::size_t before = joined.empty() ? 0 : joined.back().stop;
+                Run run{kind, first, stop, {}};
+                if (kind == HoleKind::breakout || kind == HoleKind::washout) go_on(run, before, kinds, is_free);
+                if (!joined.empty() && run.first <= before + few() &&
+                    std::all_of(is_free.begin() + static_cast<std::ptrdiff_t>(before),
+                                is_free.begin() + static_cast<std::ptrdiff_t>(std::max(run.first, before)),
+                                [](std::uint8_t free) { return free != 0; })) {
+                    joined.back().stop = std::max(run.stop, before);
                 } else {
-                    joined.push_back({kind, first, stop, {}});
-                    greatest = own;
+                    joined.push_back(std::move(run));
                 }
             }
             for (Run& run : joined) {
-                if (static_cast<double>(run.stop - run.first) * height_ < criteria_.least_length - rounding) continue;
                 for (std::size_t turn = run.first; turn < run.stop; ++turn)
                     if (kinds[turn] == kind) run.inside.push_back(turn);
-                out.push_back(std::move(run));
+                const auto length = static_cast<double>(run.inside.back() + 1 - run.inside.front());
+                if (length * height_ >= criteria_.least_length - rounding) out.push_back(std::move(run));
             }
             for (const Run& run : out)
                 for (std::size_t turn = run.first; turn < run.stop; ++turn) is_free[turn] = 0;
@@ -227,15 +227,26 @@ class Finder {
         return out;
     }
 
-    // Whether two runs of a kind are one: all turns between are free, and they are few or have nearly what both runs
-    // have. Noise makes any turn nearly undergauge or a key seat.
-    bool is_gap(HoleKind kind, std::size_t first, std::size_t stop, double least,
-                const std::vector<std::uint8_t>& is_free) const {
-        const bool few = static_cast<double>(stop - first) * height_ <= criteria_.join + rounding;
-        const bool wide = kind == HoleKind::breakout || kind == HoleKind::washout;
-        for (std::size_t turn = first; turn < stop; ++turn)
-            if (is_free[turn] == 0 || !(few || (wide && measure_of(kind, turn) >= least))) return false;
-        return true;
+    // Returns how many turns between two parts of a zone may be otherwise.
+    std::size_t few() const {
+        return static_cast<std::size_t>(std::min((criteria_.join + rounding) / height_, static_cast<double>(count_)));
+    }
+
+    // Lets a run go on, not above the turn `before`, where the hole is of no other kind and has nearly as much; few
+    // turns may have less. Noise makes any turn nearly undergauge or a key seat, so they do not go on.
+    void go_on(Run& run, std::size_t before, const std::vector<HoleKind>& kinds,
+               const std::vector<std::uint8_t>& is_free) const {
+        std::vector<double> measures;
+        for (std::size_t turn = run.first; turn < run.stop; ++turn) measures.push_back(measure_of(run.kind, turn));
+        const double least = nearly * median(std::move(measures));
+        const auto has_as_much = [&](std::size_t turn) {
+            return (kinds[turn] == run.kind || kinds[turn] == HoleKind::gauge) && measure_of(run.kind, turn) >= least;
+        };
+        for (std::size_t turn = run.first; turn > before && is_free[turn - 1] != 0 && run.first <= turn + few(); --turn)
+            if (has_as_much(turn - 1)) run.first = turn - 1;
+        run.stop = std::max(run.stop, before);
+        for (std::size_t turn = run.stop; turn < count_ && is_free[turn] != 0 && turn <= run.stop + few(); ++turn)
+            if (has_as_much(turn)) run.stop = turn + 1;
     }
 
     // Whether the tool measured diameters in all turns of a run.

@@ -81,7 +81,9 @@ NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Zone:
-    """An interval of hole of one kind. Its measures come from the turns that meet the criterion, not from gaps.
+    """An interval of hole of one kind. Its measures come from the turns that meet the criterion, not from others.
+
+    A breakout or washout has its ends where the hole has less than 0.65 of its median, also below the limit.
 
     Attributes
     ----------

@@ -240,13 +240,19 @@ def test_zones_join_over_short_gaps_and_must_be_long_enough() -> None:
 
 def test_zones_are_one_if_the_hole_between_is_nearly_as_they_are_however_long() -> None:
     """A breakout whose height wavers about the limit, over more than the metres that are joined."""
-    low, broken, slight = (GAUGE + lobe(0, height) + lobe(180, height) for height in (0.017, 0.02, 0.012))
+    low, broken, slight = (GAUGE + lobe(0, height) + lobe(180, height) for height in (0.012, 0.015, 0.008))
     wavering = classify(wall_of((10, GAUGE), (8, broken), (20, low), (8, broken), (10, GAUGE))).zones
     assert [(zone.kind, round(zone.length, 1)) for zone in wavering] == [("breakout", 3.6)]
     assert len(classify(wall_of((10, GAUGE), (8, broken), (20, slight), (8, broken), (10, GAUGE))).zones) == 2
     washed, between = GAUGE + 0.016, GAUGE + 0.0055
     wide = classify(wall_of((10, GAUGE), (8, washed), (40, between), (8, washed), (10, GAUGE))).zones
     assert [(zone.kind, round(zone.length, 1)) for zone in wide] == [("washout", 0.8)] * 2, "a wide hole joins nothing"
+    goes_on = classify(wall_of((10, GAUGE), (20, low), (8, broken), (20, low), (20, slight), (10, GAUGE))).zones
+    assert [(zone.kind, round(zone.length, 1)) for zone in goes_on] == [("breakout", 4.8)], "and where it ends, as long"
+    mixed = classify(wall_of((10, GAUGE), (8, washed), (3, broken), (8, GAUGE + 0.0055), (10, GAUGE))).zones
+    assert [(zone.kind, round(zone.length, 1)) for zone in mixed] == [("washout", 0.8), ("breakout", 0.3)], (
+        "to its own end"
+    )
     tight = (GAUGE - half / 2 for half in (0.009, 0.004))
     deep, shallow = tight
     under = classify(wall_of((10, GAUGE), (8, deep), (20, shallow), (8, deep), (10, GAUGE))).zones
