@@ -32,6 +32,7 @@ from helibore.live.rules.configuration import AlarmLimits
 from helibore.logs.passage import SURER, hanging_at, passage_of, without_noise
 from helibore.logs.turn_logs import LEAST_SAMPLED
 from helibore.logs.zone_criteria import Criteria
+from helibore.samples.helix import helix_of
 from helibore.settings.output_settings import RigidBody
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
@@ -130,7 +131,7 @@ class Outlook:
         For each body, the diameter with which it counts where it touches, metres.
     unseen
         For each body, the first hole that it would enter up, and down, of which no sensor has seen enough: its ends,
-        metres; None: all hole was seen up to where it sticks, or as far as is looked.
+        metres, down to the bottom of the hole; None: all hole was seen up to where it sticks, or as far as is looked.
     """
 
     up: TightAhead | None
@@ -156,6 +157,7 @@ class Ahead:
         self._counts: tuple[float, ...] = ()
         self._bodies: list[_Tight] = []
         self._seen: list[tuple[float, float]] = []  # ends of the hole that is sampled, from above
+        self._seen_to = math.inf  # the depth below which it was not looked for, though the wall goes on
         self.outlook: Outlook | None = None
         self._beyond: tuple[TightAhead | None, ...] = (None, None)  # what is tighter than the limit, up and down
 
@@ -221,6 +223,7 @@ class Ahead:
         self._counts = tuple(touching)
         stretch, sigma = self._stretch(*self._ends, length), None
         self._seen = [] if stretch is None else _seen(stretch)
+        self._seen_to = self._ends[1] if max(helix_of(wall).ends(len(wall))) > self._ends[1] else math.inf
         if stretch is not None:
             stretch, sigma = _quiet(stretch)
         each = zip(range(len(string)), string, thin, touching, strict=True)
@@ -258,17 +261,24 @@ class Ahead:
         at = at or ((None, None),) * len(self._string)
         hole = self._live.model.rig.tracks["hole_depth"].value[-1:].tolist()
         room = ahead, min(ahead, max(0.0, hole[0] - bit)) if hole else ahead  # the bit moves no deeper than the hole
-        unseen = tuple(self._unseen(body, bit, room, of) for body, of in zip(self._string, at, strict=True))
+        bottom = min(hole[0] if hole else bit + ahead, self._seen_to)
+        unseen = tuple(self._unseen(body, bit, bottom, room, of) for body, of in zip(self._string, at, strict=True))
         return Outlook(*sides, at, moving, self._counts, unseen)
 
     def _unseen(
-        self, body: RigidBody, bit: float, room: tuple[float, float], at: tuple[float | None, float | None]
-    ) -> tuple[tuple[float, float] | None, ...]:
+        self, body: RigidBody, bit: float, bottom: float, room: tuple[float, float],
+        at: tuple[float | None, float | None],
+    ) -> tuple[tuple[float, float] | None, ...]:  # fmt: skip
         """Return the first hole that a body enters before it sticks, up and down, of which too little is sampled."""
         travel = [most if end is None else abs(bit - end) for most, end in zip(room, at, strict=True)]
         lower = bit - body.position
         upper = lower - body.length
-        above, below = _gaps(self._seen, upper - travel[0], lower), _gaps(self._seen, upper, lower + travel[1])
+        gaps = _gaps(self._seen, upper - travel[0], max(bottom, lower))
+
+        def met(top: float, end: float) -> list[tuple[float, float]]:
+            return [gap for gap in gaps if min(gap[1], end) - max(gap[0], top) >= LEAST_GAP]
+
+        above, below = met(upper - travel[0], lower), met(upper, lower + travel[1])
         return max(above, default=None), min(below, default=None)
 
     def _stretch(self, top: float, bottom: float, beyond: float, wall: WallState | None = None) -> WallState | None:

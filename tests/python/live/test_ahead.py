@@ -283,11 +283,26 @@ def test_hole_that_no_sensor_saw_is_named_until_the_string_sticks_before_it():
         gap.to(bit)
     up, down = gap.alarms.ahead.outlook.unseen[0]
     assert (up, down) == (pytest.approx((115.0, 117.0), abs=0.2), None)
+    for bit in (116.0, 116.6):  # the body stands in it: its ends are those of the hole not seen, not those of the body
+        gap.to(bit)
+    assert gap.alarms.ahead.outlook.unseen[0] == (pytest.approx((115.0, 117.0), abs=0.2),) * 2
     for bit in (122.0, 124.0):
         gap.to(bit, hole=124.5)
     assert gap.alarms.ahead.outlook.unseen[0] == (None, None), "the string sticks before it, the hole ends"
     gap.to(126.0, hole=126.0)  # the body stands in hole that the sensor has not reached
     assert gap.alarms.ahead.outlook.unseen[0][0] == pytest.approx((125.0, 126.0), abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("path", "gap", "ends"),
+    [((123.0, 124.0), (0, 0), (125.0, 180.0)), ((113.0, 114.5), (116.5, 124.5), (116.5, 120.5))],
+)
+def test_hole_not_seen_goes_down_to_the_bottom_or_to_where_it_was_looked_for(path, gap, ends):
+    """Bodies enter hole up to 3 m ahead, and 6 m are looked at. The wall ends at 125 m, or goes on below them."""
+    trip = Trip("washout = 0.02\nahead = 3.0\n", more='[[string]]\ndiameter = "200mm"\nlength = 0.5\n', gap=gap)
+    for bit in path:
+        trip.to(bit, hole=180.0)
+    assert trip.alarms.ahead.outlook.unseen[0][1] == pytest.approx(ends, abs=0.2)
 
 
 def test_without_a_limit_a_string_has_that_of_the_zones_and_no_alarm():
