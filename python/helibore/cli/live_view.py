@@ -44,7 +44,7 @@ IMAGES_SECONDS = 1.0
 """Least seconds between two mappings of the images on the wall; all mappings take at most about 1/20 of the time."""
 CHANNELS_SECONDS, PICTURE_SECONDS = 5.0, 1.0
 """Seconds between two updates of the curves of the rig's channels, and of their picture."""
-SILENT_SECONDS = 15
+SILENT_SECONDS = 5
 """Seconds after which the picture of the channels is drawn anew although nothing comes: its gap grows."""
 APART_SECONDS = 30.0
 """Seconds for which the page says that radii came of a pass that the wall does not take."""

@@ -22,8 +22,8 @@ LINE = 190, 290, 6, 46
 """Left, right, top and bottom of the line in a cell."""
 LONGEST = 60.0
 """Seconds between two values of a line from which on it has a gap."""
-OLD = 60.0
-"""Seconds from which on the age of a value is written."""
+OLD, LATE = 15.0, 1.5
+"""Seconds from which on a value is old, and its usual distance in time times so much; it is pale, and has its age."""
 COLOURS = {
     "dark": {"panel": "#1d2328", "line": "#36404a", "ink": "#e6eaed", "soft": "#98a4ad"},
     "light": {"panel": "#ffffff", "line": "#cfd5da", "ink": "#1b2126", "soft": "#5c6770"},
@@ -62,14 +62,15 @@ def channel_strip(channels: Sequence[ShownChannel], theme: str) -> str:
 
 def _cell(one: ShownChannel, span: tuple[float, float], colours: dict[str, str]) -> str:
     colours = ALARM if one.beyond else colours
-    head = ", ".join(part for part in (one.name, one.beyond, _age(one.age)) if part)
+    ink, weight = (colours["soft"], 400) if _is_old(one) else (colours["ink"], 700)
+    head = ", ".join(part for part in (one.name, one.beyond, _age(one)) if part)
     number = f"{one.value:.{4 if abs(one.value) < 1e3 else 5}g}".replace("-", "−") if math.isfinite(one.value) else "–"
     small = f'<tspan font-size="18" font-weight="400"> {_text(one.unit)}</tspan>'
     return (
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="{colours["panel"]}" stroke="{colours["line"]}"/>'
         f'<text x="8" y="19" font-size="17" fill="{colours["soft"]}">{_text(head)}</text>'
-        f'<text x="8" y="54" font-size="36" font-weight="700" fill="{colours["ink"]}">{number}{small}</text>'
-        f'<path d="{_line(one, span)}" fill="none" stroke="{colours["ink"]}" stroke-width="1.5"/>'
+        f'<text x="8" y="54" font-size="36" font-weight="{weight}" fill="{ink}">{number}{small}</text>'
+        f'<path d="{_line(one, span)}" fill="none" stroke="{ink}" stroke-width="1.5"/>'
         f'<path d="{_gaps(one, span)}" fill="none" stroke="{colours["soft"]}" stroke-width="5" stroke-dasharray="2 2"/>'
         f'<text x="{LINE[1]}" y="63" font-size="13" text-anchor="end" fill="{colours["soft"]}">{_length(span)}</text>'
     )
@@ -113,10 +114,18 @@ def _length(span: tuple[float, float]) -> str:
     return f"last {seconds / 60:.0f} min" if seconds < 5400 else f"last {seconds / 3600:.1f} h"
 
 
-def _age(seconds: float) -> str:
-    if not seconds > OLD:
+def _is_old(one: ShownChannel) -> bool:
+    """Return whether a value may not be that of now: another was to come since."""
+    steps = sorted(after - before for before, after in itertools.pairwise(one.times))
+    return one.age > max(OLD, LATE * steps[len(steps) // 2] if steps else OLD)
+
+
+def _age(one: ShownChannel) -> str:
+    if not _is_old(one):
         return ""
-    return f"{seconds / 60:.0f} min old" if seconds < 5400 else f"{seconds / 3600:.0f} h old"
+    if one.age < 90:
+        return f"{one.age:.0f} s old"
+    return f"{one.age / 60:.0f} min old" if one.age < 5400 else f"{one.age / 3600:.0f} h old"
 
 
 def _text(text: str) -> str:
