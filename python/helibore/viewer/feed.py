@@ -26,7 +26,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column, distinct, joined, numbers, runs_of
+from helibore.base.arrays import Floats, Mask, column, distinct, joined, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -305,7 +305,10 @@ class Feed:
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
             sure = {"confidence": round(zone.confidence, 6), "measured": _share(zone.coverage)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
-            zones.append(place | size | sure | side)
+            error = self._error(sigma, int((zone.peak - self._shape.start_depth) / self._shape.pitch), measured)
+            error = error / 2.0 if zone.kind == "key seat" else error  # it is a height, the others are diameters
+            within = {"within": round(NORMAL_95 * error, 5)} if math.isfinite(error) else {}
+            zones.append(place | size | within | sure | side)
         zones = sorted(zones + list(self._alarmed_zones(wall, found, sigma)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
             self.scene.update_state(zones=tuple(zones), zones_to=round(self._ends[1], 2))
@@ -313,6 +316,15 @@ class Feed:
                 self._logged += 1
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
+
+    def _error(self, sigma: Floats | None, turn: int, of: Mask | None = None) -> float:
+        """Return the standard uncertainty of a diameter of a turn, if its radii err together; NaN: not known."""
+        if sigma is None:
+            return math.nan
+        own = slice(turn * self._shape.sectors, (turn + 1) * self._shape.sectors)
+        errors = sigma[own] if of is None else sigma[own][of[own]]
+        errors = errors[np.isfinite(errors)]
+        return float(2.0 * np.median(errors)) if errors.size else math.nan
 
     def _alarmed_zones(self, wall: Any, found: Classification, sigma: Floats | None) -> Iterator[dict[str, Any]]:
         """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval.
@@ -331,13 +343,13 @@ class Feed:
                     continue
                 turn = first + int(np.nanargmax(over[first:last] * (1 if kind == "washout" else -1)))
                 measure = float(over[turn])
-                errors = np.empty(0) if sigma is None else 2.0 * sigma[turn * sectors : (turn + 1) * sectors]
-                errors = errors[np.isfinite(errors)]
-                spread = NormalDist(0, max(float(np.median(errors)), 1e-6)) if errors.size else None
-                confidence = round(spread.cdf(abs(measure) - abs(limit)), 6) if spread else LIKELY
+                error = self._error(sigma, turn)
+                beyond_by = abs(measure) - abs(limit)
+                confidence = round(NormalDist(0, max(error, 1e-6)).cdf(beyond_by), 6) if error >= 0.0 else LIKELY
                 size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
                 sure = {"confidence": confidence, "measured": _share(float(found.logs.coverage[first:last].mean()))}
-                yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
+                within = {"within": round(NORMAL_95 * error, 5)} if error >= 0.0 else {}
+                yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | within | sure
 
     def _find_clearance(self) -> None:
         """Set the string's clearance, at each depth of its lower end, in the scene."""
@@ -395,8 +407,11 @@ class Feed:
         sides = [side for way in ("up", "down") if (side := ahead.get(way))]
         return tuple(dict.fromkeys(tuple(side[name]) for side in sides for name in ("nearest", "worst")))
 
-    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float, float] | None:
-        """Return how sure it is that the string sticks at a `Place`, its ends, and half the interval of its size."""
+    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float, float, bool] | None:
+        """Return how sure it is that the string sticks at a `Place`, its ends, and half the interval of its size.
+
+        Last, whether the size is what passes at most, because too little is sampled there.
+        """
         top, bottom, *_, lower_end, number = place
         body = self._string[number]
         found = self._clearance(lower_end, body)
@@ -404,7 +419,7 @@ class Feed:
             return None
         deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
         chance = NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0)
-        return round(chance, 3), top, bottom, round(NORMAL_95 * deviation, 4)
+        return round(chance, 3), top, bottom, round(NORMAL_95 * deviation, 4), found.at_most
 
     def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
         """Return the clearance of a body where the string's lower end is at a depth; None: not known."""

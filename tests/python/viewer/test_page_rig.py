@@ -51,7 +51,8 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         assert texts[0] == f"{bit:.1f} m"
         assert screen.inner_text("#rigBitMore") == f"40.5 m off bottom, hole {bit + 40.5:.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
-        assert re.fullmatch(rf"\+{1000 * worst:.0f} mm, \d+ % sure", texts[2])
+        assert texts[2] == f"+{1000 * worst:.0f} mm ± not known"
+        assert re.fullmatch(r"Worst going up: [a-z ]+, \d+ % sure", screen.inner_text("#rigWorstHead"))
         diameter = screen.evaluate("window.__wall.app.figures.summary.mean_diameter")
         assert texts[4] == f"{1000 * diameter:.0f} mm"
         screen.close()
@@ -93,8 +94,8 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         far, zone = (of for of in wall.zones().zones if of.kind == "undergauge")
         size = f"−{1000 * (0.216 - place[2]):.0f} mm"
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
-        assert head == "Worst of 2 going up: tight", "the worst leads, not the nearest"
-        assert re.fullmatch(r"−16 mm, \d+ % sure", digits)
+        assert re.fullmatch(r"Worst of 2 going up: tight, \d+ % sure", head), "the worst leads, not the nearest"
+        assert re.fullmatch(r"−16 mm ±\d", digits), "how sure its kind is stands there, how sure its size is here"
         assert more == f"{far.start:.1f}–{far.stop:.1f} m, in 15.8 m"
         next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.stop:.1f} m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == next_one
@@ -157,17 +158,17 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         scene = viewer.scene
         scene.update_state(bit_depth=1050.0, hole_depth=1090.0, newest=time.time(), ahead=ahead)
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
-        screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
-        scene.update_state(zones=(behind, seat, washout), zones_to=1062.0)
+        screen.until("document.getElementById('rigWorstHead').textContent.includes('sure')")
+        scene.update_state(zones=(behind, seat | {"within": 0.0021}, washout), zones_to=1062.0)
         head = "document.getElementById('rigWorstHead').textContent"
-        screen.until(f"{head} === 'Worst going up: key seat'")
-        assert screen.evaluate(f"({CELL})('rigWorst')")[1:] == ["+12 mm, 90 % sure", "1030.0–1034.0 m, slot depth"]
+        screen.until(f"{head} === 'Worst going up: key seat, 90 % sure'")
+        assert screen.evaluate(f"({CELL})('rigWorst')")[1:] == ["+12 mm ±3", "1030.0–1034.0 m, slot depth"]
         where = ["Next going up: key seat in", "3.0 m", "stabiliser, the worst place"]  # its upper end is at 1037 m
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new", "it may hold the string"
         assert screen.evaluate("window.__wall.app.view.top") < 1030, "it is in the picture"
         scene.update_state(ahead=ahead | {"moving": "down"})
-        screen.until(f"{head} === 'Worst going down: washout'")
+        screen.until(f"{head} === 'Worst going down: washout, 90 % sure'")
         where = ["Next going down: washout in", "5.0 m", "bit, the worst place"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         scene.update_state(bit_depth=1045.0, ahead=ahead)
@@ -191,15 +192,18 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m, down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011), (0.97, *far[:2], 0.0131)))
-        screen.until("document.getElementById('rigWorst').textContent === '−13 mm, 97 % sure'")
-        assert screen.inner_text("#rigWorstMore") == "1057.0–1058.0 m, in 7.0 m, ±14 mm", "no less than it is"
+        screen.until("document.getElementById('rigWorst').textContent === '−13 mm ±14'")  # no less than it is
+        assert screen.evaluate(head) == "Worst going down: tight, 97 % sure"
+        assert screen.inner_text("#rigWorstMore") == "1057.0–1058.0 m, in 7.0 m"
+        scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011, False), (0.97, *far[:2], 0.003, True)))
+        screen.until("document.getElementById('rigWorst').textContent === '−10 mm or tighter'")  # too little is sampled
         scene.update_state(received=time.time() - 30)
         screen.until("document.body.classList.contains('stale')")
         assert " in " not in screen.inner_text("#rigWorstMore"), "the bit may be elsewhere"
         scene.update_state(received=time.time())
         screen.until("!document.body.classList.contains('stale')")
         scene.update_state(bit_depth=1050.0, ahead=ahead | sides)
-        screen.until(f"{head} === 'Worst going up: tight'")
+        screen.until(f"{head} === 'Worst going up: tight, 97 % sure'")
         assert screen.evaluate(way) == ["Bit depth, going up", ["up: sticks in"]]
         assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == ["2.0 m", "bit, the worst place"]
         assert screen.evaluate(CLIPPED) == []
@@ -291,11 +295,26 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         assert screen.inner_text("#rigWorstMore").startswith("seen in 1005.0–")
         scene.update_state(ahead=ahead | {"unseen": gap, "down": down})
         screen.until(f"{digits}.includes('mm')")
-        assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit, 1015.0–1020.0 m"], "before the tight place"
-        assert not screen.evaluate("document.querySelector('#rigWhereCell.new')")
+        assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit; sticks in ≤18.0 m"], "before the tight place"
+        assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new", "it sticks on this way"
         scene.update_state(bit_depth=1016.0)
-        screen.until("document.getElementById('rigWhere').textContent === '≤12.0 m'")  # the bit is in it
+        screen.until("document.getElementById('rigWhere').textContent === 'now '")
+        now = ["Next going down: unseen hole", "now ", "bit; sticks in ≤12.0 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == now, "the bit is in it"
+        assert screen.inner_text("#rigWorstMore") == "1028.0–1029.0 m, in ≤12.0 m"
         assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new"
+        slim = [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0], [0.212, 1.0, 5.0], [0.2, 1.0, 6.0], [0.16, 40.0, 7.0]]
+        scene.update_state(
+            bit_depth=1026.0,
+            string=string | {"bodies": slim, "hanging": [{"name": name} for name in "abcde"]},
+            ahead=ahead
+            | {"unseen": (*((None, None),) * 3, ((1005.0, 1019.5), None), ((980.0, 1000.0), None)), "moving": "up"},
+        )
+        screen.until("document.getElementById('rigWhereHead').textContent === 'Next going up: unseen hole'")
+        assert screen.inner_text("#rigWhereMore") == "d", (
+            "a stabiliser that is slimmer than three others, and no collar"
+        )
+        assert screen.inner_text("#rigBodies") == "Hole not measured at d, c, b, a"
         scene.update_state(
             bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
         )
@@ -319,7 +338,7 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("window.__wall.app.zones.length")
         viewer.scene.update_state(zones=(seat, under), zones_to=1031.0)
-        screen.until("document.querySelector('#rigWorstHead').textContent === 'Worst going up: key seat'")
+        screen.until("document.querySelector('#rigWorstHead').textContent === 'Worst going up: key seat, 90 % sure'")
         rows = screen.evaluate(ROWS)
         assert [row[0] for row in rows] == ["string stabiliser", "stabiliser", "near-bit", "bit"], (
             "also the slimmer one"
@@ -392,9 +411,19 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         screen.settle()
         assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: sticks in", "0.0 m"]
         assert screen.evaluate(ROWS)[0][3:] == ["0.0 m", "none"]
+        colours = "[document.querySelector('#rigBodies .name').className.trim(), window.__wall.app.renderer.look().string.high < 0]"
+        assert screen.evaluate(colours) == ["name", False], (
+            "what is not surely beyond its limit has no colour of an alarm"
+        )
+        assert screen.evaluate("window.__wall.app.renderer.look().string.text") == "−4 mm", "beside where it is tight"
+        surely = of | {"clearance": -0.002, "high": -0.0005}  # but by less than noise of the diameters may be
+        viewer.scene.update_state(string=string | {"hanging": [surely]}, ahead=ahead | {"touching": (0.21,)})
+        screen.until("document.querySelector('#rigBodies .name.zone')")
+        viewer.scene.update_state(ahead=ahead)
         viewer.scene.update_state(string=string | {"hanging": [of | {"high": -0.001}]})
         screen.until("document.getElementById('rigWhere').textContent.includes('now')")
         now = ["Next: sticks", "now ", "stabiliser, at 1015.3 m"]
+        assert screen.evaluate(colours) == ["new name", True]
         assert screen.evaluate(f"({CELL})('rigWhere')") == now
         assert screen.evaluate(ROWS)[0][3:] == ["now", "now"]
         received = time.time() - 30
@@ -402,6 +431,7 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         screen.until("document.body.classList.contains('stale')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == ["Next: not known", "– ", "no new bit depth"]
         assert screen.inner_text("#rigBitHead") == "Bit depth"
+        assert screen.evaluate("window.__wall.app.renderer.look().oldBit"), "the picture says that the bit was there"
         assert screen.evaluate(ROWS) == [], "no dashes"
         assert screen.inner_text("#rigBodies") == "Clearances not known: no new bit depth"
         viewer.scene.update_state(received=time.time())
@@ -437,6 +467,13 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         scene.update_state(received=now)  # a second later
         screen.until(f"{lamp} === 'live' && !Number.isNaN(window.__wall.app.pace.usual)")
         assert screen.inner_text("#rigAgeMore") == "last radius 4 min old"  # bytes come, without a radius
+        hangs = {"up": None, "down": None, "bodies": (), "moving": "", "touching": ()}
+        scene.update_state(hole_depth=1040.0, ahead=hangs)
+        screen.until("document.getElementById('rigAgeMore').textContent === 'at rest, last radius 4 min old'")
+        scene.update_state(ahead=hangs | {"moving": "up"})
+        screen.until("document.getElementById('rigAgeMore').textContent === 'last radius 4 min old'")
+        scene.update_state(hole_depth=float("nan"), ahead=None)
+        screen.until("window.__wall.app.holeDepth === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         scene.update_state(apart="ream")
         screen.until("document.getElementById('rigAgeMore').textContent.endsWith('old, ream pass not shown')")
@@ -451,7 +488,8 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         scene.update_state(hole_depth=1033.9, bit_depth=1033.9, received=time.time())  # drilled on, without a radius
         screen.until(f"{lamp} === 'late'")
         scene.update_state(received=time.time())  # on a busy machine, it may look late
-        screen.until("/^last radius \\d\\d s old$/.test(document.getElementById('rigAgeMore').textContent)")
+        drilled = r"/^no radius for \d\d s, 0\.5 m drilled$/"
+        screen.until(f"{drilled}.test(document.getElementById('rigAgeMore').textContent)")
         assert re.fullmatch(r"\d\d s", screen.inner_text("#rigAge"))
         scene.update_state(newest=time.time(), received=time.time())
         screen.until(f"{lamp} === 'live'")
@@ -471,6 +509,10 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         pale = "getComputedStyle(document.querySelector('#rigBit small'))"
         soft = "getComputedStyle(document.querySelector('#rigBitHead')).color"
         assert screen.evaluate(f"[{pale}.opacity, {pale}.color === {soft}]") == ["1", True], "it can be read from afar"
+        inks = (
+            "['rigChannels', 'stage', 'rigWorstCell'].map((id) => getComputedStyle(document.getElementById(id)).filter)"
+        )
+        assert screen.evaluate(inks) == ["none", "none", "grayscale(1)"], "only what counts from the bit"
         said = ("no depth rig: it sends, and none of it is a bit depth", "no samples mwd: nothing", "lost rig: stopped")
         scene.update_state(alarms=said[:2])
         screen.until("document.getElementById('alarmText').textContent.includes('mwd')")
@@ -495,11 +537,12 @@ def test_rig_mode_says_what_is_worst_and_where_if_nothing_is_tight_ahead(browser
     with hb.view(wall, string=string) as viewer:
         viewer.scene.update_state(bit_depth=end + 2.5, hole_depth=end + 2.5, newest=time.time())
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
-        screen.until("document.getElementById('rigWorst').textContent.includes('sure')")
+        screen.until("document.getElementById('rigWorstHead').textContent.includes('sure')")
         worst = next(zone for zone in wall.zones().zones if zone.kind == "undergauge")
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
-        assert head == "Worst going up: undergauge", "before the washout, which is larger"
-        assert digits == f"−{-1000 * worst.measure:.0f} mm, {worst.confidence_text} sure"
+        undergauge = f"Worst going up: undergauge, {worst.confidence_text} sure"
+        assert head == undergauge, "before the washout, which is larger"
+        assert re.fullmatch(rf"−{-1000 * worst.measure:.0f} mm ±\d", digits)
         assert more == f"{worst.start:.1f}–{worst.stop:.1f} m, under bit size"
         far = f"{end + 2.5 - 4.0 - worst.stop:.1f} m"  # from the upper end of the first body that meets it
         where = ["Next going up: undergauge in", far, "stabiliser, the worst place"]
@@ -545,6 +588,14 @@ def test_the_picture_of_the_channels_has_their_values_and_names_as_text() -> Non
     line, gaps = root.iter("{http://www.w3.org/2000/svg}path")
     assert [part[0] for part in re.findall(r"[ML][^ML]+", line.attrib["d"])] == ["M", "L", "M"]  # a gap of 80 s
     assert gaps.attrib["d"].count("M") == 2, "it and the time since then"
+
+
+@pytest.mark.parametrize(("every", "age", "old"), [(10.0, 14.0, ""), (10.0, 16.0, "16 s old"), (60.0, 80.0, "")])
+def test_a_value_of_a_channel_is_pale_if_another_was_to_come_since(every: float, age: float, old: str) -> None:
+    picture = channel_strip([ShownChannel("WOB", "kN", 90.0, age, "", [0.0, every, 2 * every], [1.0] * 3)], "dark")
+    head, number, _ = ElementTree.fromstring(picture).iter("{http://www.w3.org/2000/svg}text")
+    assert head.text == (f"WOB, {old}" if old else "WOB")
+    assert (number.attrib["fill"] == head.attrib["fill"]) == bool(old)
 
 
 def test_rig_mode_follows_and_survives_a_reload(browser: Any) -> None:

@@ -344,7 +344,10 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
         assert max(none, least) < 0.01
         ends = [[2010.0, 2011.0], [2017.5, 2018.5], [2017.5, 2018.5]]
         assert [of_wide[:2], of_bit[:2], of_other[:2]] == ends, "the places of which it is said"
-        assert [0.0003 < half < 0.003 for _, _, half in (of_wide, of_bit, of_other)] == [True] * 3, "of 0.2 mm of noise"
+        assert [0.0003 < half < 0.003 for _, _, half, _ in (of_wide, of_bit, of_other)] == [True] * 3, "by 0.2 mm noise"
+        assert [most for *_, most in (of_wide, of_bit, of_other)] == [False] * 3, "all is sampled"
+        (zone,) = viewer.scene.state.zones
+        assert 0.0002 < zone["within"] < 0.002, "of the size of the zone, too"
         beyond = dict.fromkeys(("nearest", "worst"), (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0))
         viewer.scene.update_state(ahead={"up": beyond, "down": None, "bodies": (), "moving": ""})
         until(lambda: viewer.scene.state.ahead_sure == (None,))

@@ -15,7 +15,7 @@ import { FRONT, LETTERS, mark } from './zones.js';
 
 /** @param {Ink} ink @param {Look} look */
 export function drawColumn(ink, look) {
-  const { view, store, wallRect: rect, rects, zones, bitDepth } = look;
+  const { view, store, wallRect: rect, rects, zones, bitDepth, oldBit } = look;
   const palette = PALETTES[view.theme];
   const { perMetre, times, shape } = columnScale(look);
   const middle = rect.left + rect.width / 2;
@@ -24,7 +24,7 @@ export function drawColumn(ink, look) {
   const right = rect.left + rect.width + laneOf(store.basis !== 'gauge', view.rig);
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
-  if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
+  if (bitDepth !== null && !oldBit && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
   const cursor = view.cursor ? yOf(view, rect, view.cursor.depth) : NaN;
   for (const zone of zones) {
     const { kind, start, stop, measure } = zone;

@@ -60,10 +60,14 @@ export const isDry = (of) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
 
+// Whether the server is there.
+/** @param {Pick<App, 'status'>} of */
+export const isServed = ({ status }) => /^(live|waiting)$/.test(status);
+
 // Whether numbers that the rig sends may be old: the server is away, or the rig is silent, by the page's limit, for three times the
 // usual time or, if it is late, by the limit of its configuration. A tool is silent while the string is tripped, which makes no number of the rig old.
 /** @param {App} app */
-export const isStale = (app) => !/^(live|waiting)$/.test(app.status) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
+export const isStale = (app) => !isServed(app) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
@@ -79,7 +83,7 @@ function troubleOf({ alarms, lost }) {
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth, ahead }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -93,7 +97,9 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const silent = { received, newest, lastWrite, pace };
   const old = !ended && seconds > LATE;
   const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth });
-  const lastRadius = (old && !isSilent(silent)) || isDead ? `last radius ${showAge(seconds)} old` : '';
+  const rests = ahead && !ahead.moving && (holeDepth ?? NaN) - (bitDepth ?? NaN) > LIFTED; // then no radius is due
+  const drilled = isDead ? `no radius for ${showAge(seconds)}, ${showDepth((holeDepth ?? NaN) - (radii.hole ?? NaN), view.units, 1)} drilled` : '';
+  const lastRadius = drilled || (old && !isSilent(silent) ? `${rests ? 'at rest, ' : ''}last radius ${showAge(seconds)} old` : '');
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), lastRadius || `${showAge(seconds)} old`);
   else parts.push(fed ? 'no radius since the start' : 'not live');

@@ -12,7 +12,7 @@ import { byId, oncePerFrame, say, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
 import { bindOrbit } from './input.js';
-import { lamp, spokenText } from './lamp.js';
+import { isStale, lamp, spokenText } from './lamp.js';
 import { late } from './late.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
 import { FINE_TILES } from './lod.js';
@@ -125,7 +125,7 @@ export class Renderer {
     const now = seconds();
     /** @type {Look} */
     const made = {
-      store, view, path, rects, bitDepth, asked: quantity, quantity,
+      store, view, path, rects, bitDepth, oldBit: view.rig && isStale(app), asked: quantity, quantity,
       imagePieces: pieces,
       wallPieces: pieces,
       imageRect: rects.image,

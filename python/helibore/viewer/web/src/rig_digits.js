@@ -3,14 +3,14 @@
 
 import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
-import { ageOf, isDry, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
+import { ageOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { HOLDS, isPassed, leftTo, NOW, placesAhead, reach, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { HOLDS, isPassed, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
 const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
-const ROUGH = 0.003; // metres: if the size of a tight place is less sure, its interval is said
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
@@ -18,7 +18,6 @@ const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SI
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
 const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothing
-const STABILISER = 0.9; // of the bit: a body above the bit that is wider counts as a stabiliser
 const NO_BIT = 'no new bit depth'; // then nothing is said that counts from the bit
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
@@ -63,14 +62,16 @@ export function writeDigits(app) {
   if (app.channels && strip.getAttribute('src') !== source) strip.src = source;
 }
 
-// Write how old the data are and where they end. The picture and the digits of an old state are pale.
+// Write how old the data are and where they end. What counts from an old bit depth is pale, and all of the page if the server is away.
 /** @param {App} app */
 function writeData(app) {
   const { view: { units }, store, bit } = app;
   const [colour, text, word] = lampWords(app);
   const [age, ageUnit = ''] = showAge(isDry(app) ? ageOf(app) : silenceOf(app)).split(' ');
   const stale = isStale(app);
+  if (document.body.classList.contains('stale') !== stale) app.redraw(); // the picture shows it, too
   document.body.classList.toggle('stale', stale);
+  document.body.classList.toggle('away', !isServed(app));
   byId('rigAgeCell').className = stale ? 'new' : /late|lost/.test(colour) ? 'zone' : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
   const apart = app.apart && `, ${app.apart} pass not shown`;
@@ -114,60 +115,65 @@ function writeWorst(app) {
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
     if (digits !== 'not known' || !unseen || stale) return cell('rigWhere', 'Hole size', ...holeSize(app));
-    return cell('rigWhere', `Next going ${unseen.way}: ${UNSEEN}${unseen.left > NOW ? ' in' : ''}`, ...distance(unseen.left, units), unseen.first);
+    return cell('rigWhere', nextHead(unseen), ...distance(unseen.left, units), unseen.first);
   }
-  const { worst, next, count, most } = found;
-  const stuck = next.tight && !stale ? stuckIn(app, next) : -1;
-  byId('rigWhereCell').className = stuck >= 0 || (!stale && (next.tight || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
-  /** @param {FirstPlace} of */
-  const kind = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
+  const { worst, next, sticks, count, most } = found;
+  const stuck = sticks && !stale ? stuckIn(app, sticks) : -1;
+  byId('rigWhereCell').className = stuck >= 0 || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
   const [digits, unit] = parts(size(worst));
-  const isHere = stuck >= 0 && worst.start < next.stop && next.start < worst.stop;
-  const distant = stale || next === worst || isHere ? '' : `, in ${showDepth(worst.left, units, 1)}`;
-  const unsure = Number.isNaN(worst.sure);
-  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kind(worst)}`, digits, `${unit}${unsure ? '' : `, ${percent(worst.sure)} sure`}`, `${showSpan(worst.start, worst.stop, units)}${distant}${unsure ? ', uncertainty not known' : (worst.within ?? 0) > ROUGH ? `, ${withIn({ low: 0, high: 2 * (worst.within ?? 0) }, units)} ${unit}` : distant || worst.tight ? '' : `, ${IN_WORDS[worst.zone?.kind ?? 'washout']}`}`);
+  const isHere = sticks && stuck >= 0 && worst.start < sticks.stop && sticks.start < worst.stop;
+  const bound = most ? '≤' : '';
+  const distant = stale || next === worst || isHere ? '' : `, in ${worst === sticks ? bound : ''}${showDepth(Math.max(0, worst.left), units, 1)}`;
+  const { sure, within, zone } = worst;
+  const sureness = Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`;
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
   if (stale) return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
   const { hanging = [] } = string ?? {};
   if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);
   const { first } = next;
-  const i = hanging.findIndex(({ name }) => name === first);
-  const may = next.tight && i >= 0 && isUnsure(app, i);
-  const left = bit === null ? NaN : next.left;
-  const isNow = left <= NOW && !may;
-  const head = `Next${next.way && ` going ${next.way}`}: ${next.tight ? 'sticks' : kind(next)}${isNow ? '' : ' in'}`;
-  const isUnseen = kind(next) === UNSEEN;
-  const more = next === worst ? 'the worst place' : isUnseen ? showSpan(next.start, next.stop, units) : `${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}`;
-  const [far, farUnit] = distance(left, units, may);
+  /** @param {FirstPlace} of */
+  const may = (of) => of.tight && hanging.some(({ name }, i) => name === of.first && isUnsure(app, i));
+  /** @param {FirstPlace} of */
+  const left = (of) => distance(bit === null ? NaN : of.left, units, may(of));
+  const [far, farUnit] = left(next);
   const [other] = next.tight && next.way && !ahead?.moving ? tightOn(app, next.way === 'up' ? 'down' : 'up') : [];
-  cell('rigWhere', head, most && !isNow ? `≤${far}` : far, farUnit, `${first}, ${more}${other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : ''}`);
+  const and = other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : '';
+  const what = next === worst ? ', the worst place' : kindOf(next) !== UNSEEN ? `, ${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}` : sticks ? `; ${sticks.first === first ? '' : `${sticks.first} `}sticks in ${bound}${left(sticks).join(' ').trim()}` : `, ${showSpan(next.start, next.stop, units)}`;
+  return cell('rigWhere', nextHead(next, may(next)), next.tight && farUnit ? `${bound}${far}` : far, farUnit, `${first}${what}${and}`);
 }
+
+/** @param {FirstPlace} of */
+const kindOf = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
+
+// Return the line above the distance of the next place.
+/** @param {FirstPlace} of @param {boolean} [may] */
+const nextHead = (of, may = false) => `Next${of.way && ` going ${of.way}`}: ${of.tight ? 'sticks' : kindOf(of)}${of.left <= NOW && !may ? '' : ' in'}`;
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
 /** @param {RigidBody} body @param {Store} store */
 const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
 
-const ONE_IN_FOUR = 0.344; // twice the normal quantile of 25 %, as a share of a 95 % interval
-// Whether a body sticks with a probability of one in four or more.
-/** @param {{ low?: number | null, high?: number | null }} of */
-const mayStick = ({ low, high }) => (low ?? NaN) + (high ?? NaN) < ONE_IN_FOUR * ((high ?? NaN) - (low ?? NaN));
-
 // Return by how much a body may be too thick for the hole and not count as tight there.
 /** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
 const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
 
-// Return the string as it hangs, with the body that has the least room and where; a bit in hole of its size has room.
+// Return the string as it hangs, with the body that sticks or, if none does, has the least room; the bit has none in its own hole.
 /** @param {App} app @param {number} bottom @returns {Hung | null} */
 export function hungInRig(app, bottom) {
-  const { string, store, ahead } = app;
+  const { string, view: { units } } = app;
   if (!string) return null;
-  if (isStale(app)) return { ...string, bottom, clearance: NaN, low: NaN, high: NaN, tightest: NaN };
-  const known = (string.hanging ?? []).map((one, i) => ({ ...one, spare: spareOf({ string, store, ahead }, i), own: isBit(string.bodies[i], store) })).filter(({ clearance, short }) => clearance !== undefined && !short);
-  const [least] = known.filter(({ clearance, spare, own }) => !own || (clearance ?? 0) + spare < 0).sort((a, b) => (a.clearance ?? 0) + a.spare - (b.clearance ?? 0) - b.spare);
-  const clearance = (least?.clearance ?? NaN) + (least?.spare ?? 0);
-  return { ...string, bottom, clearance, low: least && mayStick(least) ? -Infinity : clearance, high: NaN, tightest: least?.depth ?? NaN };
+  const unknown = { ...string, bottom, clearance: NaN, low: NaN, high: NaN, tightest: NaN };
+  if (isStale(app)) return unknown;
+  const known = (string.hanging ?? []).map((one, i) => ({ ...one, sticks: sticksNow(app, i), position: string.bodies[i][2], room: roomOf(one) })).filter(({ room, short, sticks, position }) => room <= WIDE && !(Number(short) > NOW) && (sticks || position > 0));
+  const [least] = known.sort((a, b) => Number(b.sticks) - Number(a.sticks) || a.room - b.room);
+  return least ? { ...unknown, high: least.sticks ? -1 : NaN, tightest: least.depth ?? NaN, text: showSize(least.room, units) } : unknown;
 }
+
+// Return what a body clears or, if that is a bound, clears at most.
+/** @param {Hanging} of */
+const roomOf = ({ clearance = NaN, high, at_most: most }) => (most ? high : null) ?? clearance;
 
 // Whether a body of the string sticks where it hangs now, and where it touches; hole that no sensor has passed is not known.
 /** @param {App} app @param {number} i */
@@ -192,11 +198,11 @@ function stuckIn(app, { start, stop }) {
 }
 
 // Return half the interval of a size, behind the number; no less than it is.
-/** @param {{ low?: number | null, high?: number | null }} of @param {Units} units */
-function withIn({ low, high }, units) {
+/** @param {number | undefined} half @param {Units} units */
+function intervalOf(half = NaN, units) {
   const { scale, unit } = LENGTHS[units];
   const step = unit === 'mm' ? 1 : 100;
-  return `±${(Math.ceil((((high ?? NaN) - (low ?? NaN)) / 2) * scale * step) / step).toFixed(unit === 'mm' ? 0 : 2)}`;
+  return Number.isNaN(half) ? '± not known' : `±${(Math.ceil(half * scale * step) / step).toFixed(unit === 'mm' ? 0 : 2)}`;
 }
 
 // Return a distance to move as digits and unit.
@@ -223,26 +229,25 @@ function wayOf(app, i, side) {
 
 // Return the number of the stabiliser next above the bit; -1 if there is none.
 /** @param {RigidBody[]} bodies @param {Store} store */
-const nextToBit = (bodies, { bitRadius }) => bodies.map((_, i) => i).filter((i) => bodies[i][2] > 0 && bodies[i][0] > STABILISER * 2 * bitRadius).sort((a, b) => bodies[a][2] - bodies[b][2])[0] ?? -1;
+const nextToBit = (bodies, store) => stabilisers(bodies, store).filter((i) => bodies[i][2] > 0).at(-1) ?? -1;
 
 // Return the row of a body: its name, what it clears now, and how far it moves up and down until it sticks.
 /** @param {App} app @param {number} i */
 function rowOf(app, i) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
   const { bodies = [], hanging = [], bit: at = bit } = string ?? {};
-  const { name = '', clearance: found = NaN, low = null, high = null, at_most: most } = hanging[i] ?? {};
-  const bound = (most ? high : null) ?? found;
+  const { name = '', low = null, high = null, at_most: most } = hanging[i] ?? {};
+  const bound = roomOf(hanging[i] ?? {});
   const isFound = Math.abs((bit ?? NaN) - (at ?? NaN)) <= NOW; // else the server looks for what the body clears here
   const clearance = !isFound || (most && bound > WIDE) ? NaN : bound;
   const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
   const isStuck = isFound && sticksNow(app, i);
-  const note = !isFound ? 'looking' : Number.isNaN(clearance) ? 'not measured' : low === null ? '± not known' : most ? 'at most' : withIn({ low, high }, units);
+  const note = !isFound ? 'looking' : Number.isNaN(clearance) ? 'not measured' : most && high !== null ? 'at most' : intervalOf((high ?? NaN) / 2 - (low ?? NaN) / 2, units);
   const ways = [0, 1].map((side) => {
     if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
     return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
   });
-  const moving = ahead?.moving && ways[WAYS.indexOf(ahead.moving)][0];
-  const state = isStuck ? 'new' : isFound && ((!own && mayStick({ low, high })) || moving === 'now') ? 'zone' : '';
+  const state = isStuck ? 'new' : isFound && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
   return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
 }
 
@@ -255,7 +260,8 @@ function writeBodies(app) {
   const stale = isStale(app);
   const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
   const near = nextToBit(bodies, store);
-  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const [unseen] = unseenAhead(app);
+  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
@@ -300,11 +306,11 @@ function alarmed(app) {
   return [...new Set([...alarms.zones, ...holds])].filter((zone) => !isPassed(app, zone));
 }
 
-// Return the zones as the picture names them: where the string sticks, what passes there counts, as in the digits.
+// Return the zones that the picture names: where the string sticks, what passes there counts, as in the digits; what it passes is none.
 /** @param {App} app @returns {Zone[]} */
 export function zonesInRig(app) {
   const tight = tightNow(app);
-  return app.zones.map((zone) => {
+  return app.zones.filter((zone) => !isPassed(app, zone)).map((zone) => {
     const own = tight.find((of) => of.zone === zone);
     return own ? { ...zone, measure: own.measure, name: 'tight' } : zone;
   });

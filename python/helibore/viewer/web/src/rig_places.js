@@ -16,11 +16,19 @@ export const UNSEEN = 'unseen hole';
 export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
 const BY = 0.25; // metres from one turn that is looked at to the next
-export const HOLDS = [UNSEEN, 'undergauge', 'key seat']; // hole in which the string may stick
+const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
+export const HOLDS = ['undergauge', 'key seat']; // hole in which the string may stick
 
 // Return the numbers of the widest bodies, in the order in which they hang.
 /** @param {RigidBody[]} bodies */
 export const widest = (bodies) => bodies.map((_, i) => i).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, ROWS).sort((a, b) => bodies[b][2] - bodies[a][2]);
+
+// Return the numbers of the bodies that are nearly as wide as the bit, or else of the widest, in the order in which they hang.
+/** @param {RigidBody[]} bodies @param {Store} store */
+export function stabilisers(bodies, { bitRadius }) {
+  const wide = bodies.map((_, i) => i).filter((i) => bodies[i][0] > STABILISER * 2 * bitRadius);
+  return wide.length ? wide.sort((a, b) => bodies[b][2] - bodies[a][2]) : widest(bodies);
+}
 
 /** @type {(zones: Zone[], ends: number[]) => Zone | null} */
 export function worstOf(zones, [top, bottom]) {
@@ -43,22 +51,22 @@ export function reach(app) {
   return [Math.max(span[0], bit - length - (ways.includes('up') ? RECENT : 0)), bottom];
 }
 
-// Return the ends of each stretch of hole within reach that no sensor saw.
+// Return the ends of each stretch of hole within reach that no sensor saw; the last may end beyond, at most at the bottom of the hole.
 /** @param {App} app */
 function unseenIn(app) {
-  const { store } = app;
-  const [top, bottom] = reach(app);
+  const { store, bit, holeDepth } = app;
+  const [top, within] = reach(app);
+  const end = bit === null || within < bit ? within : Math.max(within, holeDepth ?? within);
   const [level] = store.levels;
   /** @type {Pair[]} */
   const found = [];
   let from = top;
   for (let depth = top; ; depth += BY) {
     const first = Math.floor((depth - level.startDepth) / level.pitch) * level.sectors;
-    const isEnd = depth >= bottom;
-    if (!isEnd && (depth > store.span[1] || (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)))) continue; // what the page has not loaded yet is no gap
-    const to = Math.min(depth, bottom);
+    if (depth < end && (depth > store.span[1] || (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)))) continue; // what the page has not loaded yet is no gap
+    const to = Math.min(depth, end);
     if (to - from >= LEAST_UNSEEN) found.push([from, to]);
-    if (isEnd) return found;
+    if (depth >= within) return found;
     from = depth + BY;
   }
 }
@@ -73,11 +81,11 @@ export function unseenAhead(app) {
   const place = ([start, stop], met) => (met ? [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, ...met }] : []);
   const { unseen } = ahead ?? {};
   const found = unseen
-    ? waysOf(app).flatMap((way) => widest(bodies).flatMap((i) => {
+    ? waysOf(app).flatMap((way) => stabilisers(bodies, app.store).flatMap((i) => {
       const ends = unseen[i]?.[way === 'up' ? 0 : 1];
       return ends ? place(ends, { left: leftTo(bit, bodies[i], way, ends), first: hanging[i]?.name ?? 'string', way }) : [];
     }))
-    : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { kind: UNSEEN, start, stop })));
+    : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const isDrilled = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED;
   return found.filter(({ stop }) => !(isDrilled && stop > Math.min(bit ?? NaN, app.store.span[1]))).sort((a, b) => a.left - b.left);
 }
@@ -90,13 +98,13 @@ export function leftTo(bit, [, length, position], way, [start, stop]) {
   return passed < 0 ? Math.max(0, left) : NaN;
 }
 
-// Return what the string meets a stretch of hole with first, and how far the bit moves until then, on the shorter of the ways it may
-// take; null if all bodies that matter are past it. Where the string may stick, the widest matter; else the bit.
-/** @param {App} app @param {{ kind: string, start: number, stop: number }} stretch @returns {Meeting | null} */
-export function meeting(app, { kind, start, stop }) {
-  const { string, bit } = app;
+// Return what the string meets a stretch of hole with first, bit or stabiliser, and how far the bit moves until then, on the shorter of the
+// ways it may take; null if all of them are past it.
+/** @param {App} app @param {{ start: number, stop: number }} stretch @returns {Meeting | null} */
+export function meeting(app, { start, stop }) {
+  const { string, bit, store } = app;
   const { bodies = [], hanging = [] } = string ?? {};
-  const own = HOLDS.includes(kind) ? widest(bodies) : [];
+  const own = stabilisers(bodies, store);
   /** @type {[RigidBody, string][]} */
   const all = own.length ? own.map((i) => [bodies[i], hanging[i]?.name ?? 'string']) : [[[0, 0, 0], 'bit']];
   const met = waysOf(app).flatMap((way) => all.map(([body, first]) => ({ left: leftTo(bit, body, way, [start, stop]), first, way }))).filter(({ left }) => left >= 0);
@@ -116,7 +124,8 @@ export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
     const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
     const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
     const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
-    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius, zone, sure: chance?.[0] ?? NaN, within: chance?.[3], way, left, first, tight: true };
+    const [sure = NaN, , , within = NaN, most = false] = chance ?? [];
+    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius + (most ? within : 0), zone, sure, within, most, way, left, first, tight: true };
   });
 }
 
@@ -127,9 +136,10 @@ export function isPassed(app, { kind, start, stop }) {
   return kind === 'undergauge' && Boolean(app.ahead && app.string) && start < bottom && stop > top && !WAYS.some((way) => tightOn(app, way).some((of) => of.start < stop && start < of.stop));
 }
 
-// Return the worst place ahead, the next one that may hold the string or, before the worst, was not seen, or else the worst again, and how many tight places lie on the way of the worst; null if nothing is ahead. Tight
-// hole comes before the zones, and of them that which counts most. `most`: the string may stick earlier, in hole not seen. `sure`: the probability that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, count: number, most: boolean } | null} */
+// Return the worst place ahead; the next one, by which body of the string ever: that may hold it, was not seen, or is the worst; and the tight
+// place that it meets next; null if nothing is ahead. Tight hole comes before the zones, and of them that which counts most. `most`: that body
+// may stick earlier, in hole not seen. `count`: of tight places on the way of the worst. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, sticks: FirstPlace | undefined, count: number, most: boolean } | null} */
 export function placesAhead(app) {
   const { bit, zones } = app;
   const ends = reach(app);
@@ -137,25 +147,29 @@ export function placesAhead(app) {
   const tight = ways.flatMap((way) => tightOn(app, way));
   const others = byConsequence(zones.filter((zone) => zone.stop > ends[0] && zone.start < ends[1] && !isPassed(app, zone) && !tight.some((of) => of.start < zone.stop && zone.start < of.stop))).flatMap((zone) => {
     const met = meeting(app, zone);
-    const { start, stop, measure, confidence: sure } = zone;
-    return met || bit === null ? [/** @type {FirstPlace} */ ({ start, stop, measure, zone, sure, tight: false, ...(met ?? { left: NaN, first: 'bit', way: '' }) })] : [];
+    const { start, stop, measure, within, confidence: sure } = zone;
+    return met || bit === null ? [/** @type {FirstPlace} */ ({ start, stop, measure, within, zone, sure, tight: false, ...(met ?? { left: NaN, first: 'bit', way: '' }) })] : [];
   });
   const [worst] = [...tight.sort((a, b) => a.measure - b.measure), ...others];
   if (!worst) return null;
+  /** @param {FirstPlace[]} of */
+  const nearest = (of) => [...of].sort((a, b) => a.left - b.left)[0];
+  const sticks = nearest(tight);
   const unseen = unseenAhead(app);
-  const holds = [...tight, ...others.filter(({ zone }) => zone && HOLDS.includes(zone.kind)), ...unseen.slice(0, 1).filter(({ left }) => left > NOW && left < worst.left)].sort((a, b) => a.left - b.left);
-  const next = holds[0] ?? worst;
-  return { worst, next, most: unseen.some(({ way, left }) => way === next.way && left < next.left), count: worst.tight && worst.way ? (app.ahead?.[worst.way]?.places ?? 1) : 1 };
+  const holds = others.filter(({ zone }) => zone && HOLDS.includes(zone.kind));
+  const next = nearest([...tight, ...holds, ...unseen.slice(0, 1), ...(tight.length + holds.length ? [] : [worst])]);
+  return { worst, next, sticks, most: unseen.some(({ way, left, first }) => way === sticks?.way && first === sticks.first && left < sticks.left), count: worst.tight && worst.way ? (app.ahead?.[worst.way]?.places ?? 1) : 1 };
 }
 
-// Return top and length of the section that rig mode shows: the last metres with the bit, and the places ahead. If the bit has
+// Return top and length of the section that rig mode shows: the last metres with the bit, and the places ahead that are named. If the bit has
 // been lifted far, what is below it does not count.
 /** @param {App} app @returns {[top: number, length: number]} */
 export function rigSection(app) {
   const { store, bit } = app;
   const down = store.levels[0].pitch > 0;
   const found = placesAhead(app);
-  const places = found ? [found.worst, found.next].filter(({ tight, zone }) => tight || zone) : [];
+  const named = found ? [found.worst, found.next, ...waysOf(app).flatMap((way) => tightOn(app, way))] : unseenAhead(app).slice(0, 1);
+  const places = named.map(({ start, stop, tight, zone, way }) => (tight || zone ? { start, stop } : way === 'up' ? { start: stop, stop } : { start, stop: start })); // of unseen hole, where it begins
   const depth = bit ?? store.end;
   const [shallow, deep] = store.span;
   const lead = Math.abs(depth - store.end) > RECENT && (depth < shallow || depth > deep) ? store.end : depth; // the bit may be far from the wall

@@ -24,6 +24,10 @@ export function hung(app) {
   return { ...string, bottom, clearance, low, high, tightest: bottom - above };
 }
 
+// Whether a body surely does not pass, as far as the uncertainty is known; only then the colour is that of an alarm.
+/** @param {{ clearance?: number, high?: number | null }} of */
+export const doesNotPass = ({ clearance = NaN, high }) => (Number.isNaN(high ?? NaN) ? clearance : Number(high)) < 0;
+
 // Return the clearance in words.
 /** @param {Hung} of @param {Units} units */
 export function clearanceText({ why, clearance, low, high }, units) {
@@ -31,19 +35,20 @@ export function clearanceText({ why, clearance, low, high }, units) {
   if (why) return why;
   if (Number.isNaN(clearance)) return 'not measured';
   const sure = Number.isNaN(low) ? 'uncertainty not known' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95 %`;
-  return `${clearance < 0 ? 'does not pass: ' : ''}${showSigned(clearance, units, digits)} (${sure})`;
+  const passes = clearance < 0 ? `${doesNotPass({ clearance, high }) ? 'does' : 'may'} not pass: ` : '';
+  return `${passes}${showSigned(clearance, units, digits)} (${sure})`;
 }
 
 // Return the clearance in a few words, for a narrow hole.
 /** @param {Hung} of @param {Units} units */
 export function shortText({ clearance, low, high }, units) {
   const [own, least, most] = [clearance, low, high].map((one) => showSigned(one, units, units === 'mm' ? 0 : 1));
-  return Number.isNaN(clearance) ? 'not measured' : `${clearance < 0 ? 'sticks' : 'clears'} ${own}${Number.isNaN(low) ? '' : `, ${least.split(' ')[0]} to ${most.split(' ')[0]}`}`;
+  return Number.isNaN(clearance) ? 'not measured' : `${doesNotPass({ clearance, high }) ? 'sticks' : clearance < 0 ? 'may stick' : 'clears'} ${own}${Number.isNaN(low) ? '' : `, ${least.split(' ')[0]} to ${most.split(' ')[0]}`}`;
 }
 
 // Return the colour of the clearance: it is too small, may be too small, or is large enough.
 /** @param {Hung} of @param {Palette} palette */
-const colourOf = ({ clearance, low }, palette) => (clearance < 0 ? palette.cursor : low < 0 ? palette.picks['induced fracture'] : Number.isNaN(clearance) ? palette.soft : palette.min);
+const colourOf = ({ clearance, low, high }, palette) => (doesNotPass({ clearance, high }) ? palette.cursor : Math.min(clearance, low) < 0 ? palette.picks['induced fracture'] : Number.isNaN(clearance) ? palette.soft : palette.min);
 
 // Whether a place of the straightened hole is on the string.
 /** @param {Look} look @param {number} x @param {number} depth */
@@ -62,28 +67,28 @@ function halfWidth(look, diameter) {
 
 /** @param {Ink} ink @param {Look} look */
 export function drawString(ink, look) {
-  const { string, view, wallRect: rect } = look;
+  const { string, view, oldBit, wallRect: rect } = look;
   if (!string) return;
   const palette = PALETTES[view.theme];
   const middle = rect.left + rect.width / 2;
-  const usual = colourOf(string, palette);
-  const colour = view.rig && usual === palette.min ? palette.soft : usual; // green across a tight place would say "go"
+  const colour = colourOf(string, palette); // in rig mode never green: that would say "go"
   within(ink, rect, () => {
     for (const [diameter, length, position] of string.bodies) {
       const half = halfWidth(look, diameter);
       const [a, b] = [string.bottom - position - length, string.bottom - position].map((depth) => yOf(view, rect, depth));
-      ink.globalAlpha = 0.35;
+      ink.globalAlpha = oldBit ? 0.1 : 0.35;
       ink.fillStyle = palette.soft;
       ink.fillRect(middle - half, a, 2 * half, b - a);
-      ink.globalAlpha = 1;
+      ink.globalAlpha = oldBit ? 0.3 : 1;
       edges(ink, { left: middle - half, top: a, width: 2 * half, height: b - a }, palette.ink, 1.4);
     }
+    ink.globalAlpha = 1;
     const y = yOf(view, rect, string.tightest);
     const reach = Math.max(...string.bodies.map(([diameter]) => halfWidth(look, diameter)));
     if (!Number.isNaN(y)) line(ink, middle - reach - 8, y, middle + reach + 8, y, colour, [], 5);
     const at = Number.isNaN(y) || y < rect.top + 12 || y > rect.top + rect.height - 12 ? Math.min(rect.top + rect.height - 10, Math.max(rect.top + 12, yOf(view, rect, string.bottom) + 12)) : y - 12;
     ink.font = BOLD;
-    if (view.rig) label(ink, Number.isNaN(y) ? '' : 'tightest', middle + reach + 8, y - 9, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
+    if (view.rig) label(ink, string.text ?? '', middle + reach + 8, y - 9, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
     else label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units), shortText(string, view.units).split(',')[0]], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
   });
 }

@@ -195,14 +195,15 @@ export function drawOutside(ink, look) {
 // toolface on the images.
 /** @param {Ink} ink @param {Look} look */
 export function drawCursor(ink, look) {
-  const { view, rects, bitDepth } = look;
+  const { view, rects, bitDepth, oldBit } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const right = tracksEnd(rects);
   if (bitDepth !== null && bitDepth >= view.top && bitDepth <= view.bottom) {
     const y = yOf(view, rect, bitDepth);
-    line(ink, rect.left + rect.width, y, right, y, palette.ink, [6, 4]);
-    label(ink, '▼ bit', rects.image.left + (rects.image.width ? 4 : 12), y - 8, { colour: palette.ink, halo: palette.paper, font: BOLD });
+    const colour = oldBit ? palette.soft : palette.ink;
+    line(ink, rect.left + rect.width, y, right, y, colour, [6, 4]);
+    label(ink, oldBit ? '▼ bit was here' : '▼ bit', rects.image.left + (rects.image.width ? 4 : 12), y - 8, { colour, halo: palette.paper, font: BOLD });
   }
   for (const depth of view.pins) {
     if (depth < view.top || depth > view.bottom) continue;

@@ -61,12 +61,12 @@ interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
 interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
-interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number; name?: string } // toolface: axis of a breakout, side of a key seat; name: in rig mode, if it is not the kind
+interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; within?: number; toolface?: number; name?: string } // within: half the 95 % interval of the measure, if it is known; toolface: axis of a breakout, side of a key seat; name: in rig mode, if it is not the kind
 // A string of rigid bodies, and where it hangs.
 type RigidBody = [diameter: number, length: number, position: number];
 interface Hanging { name: string; clearance?: number; low?: number | null; high?: number | null; depth?: number | null; at_most?: boolean; short?: number }
 interface RigidString { bodies: RigidBody[]; why: string; hanging?: Hanging[]; bit?: number }
-interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number }
+interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number; text?: string } // in rig mode: what it clears there
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }
@@ -78,7 +78,7 @@ interface Turn { k: number; radii: Float64Array; sure: Float64Array; between: Ui
 
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
-  store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
+  store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; oldBit: boolean; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
   imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; intervals: NamedInterval[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
   held?: Plane; // the plane that the held cursor is on
 }
@@ -117,10 +117,10 @@ interface ListedWell { name: string; address: string; length: number; head: Vect
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
 interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][] }
-type Chance = [sure: number, top: number, bottom: number, within?: number] | null; // of the place between two depths; half the interval of what passes
+type Chance = [sure: number, top: number, bottom: number, within?: number, most?: boolean] | null; // of the place between two depths; half the interval of what passes, and whether it passes at most
 type Way = 'up' | 'down';
 interface Meeting { left: number; first: string; way: Way }
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; within?: number } // left: metres until `first` meets it
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; within?: number; most?: boolean } // left: metres until `first` meets it
 interface State {
   channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;

@@ -135,7 +135,7 @@ export class Wells {
     const quantity = well.quantity(this.quantity);
     const pieces = well.pieces(view.top, view.bottom);
     return {
-      store, view, path, rects, bitDepth: well.bitDepth, asked: quantity, quantity, imagePieces: pieces, wallPieces: pieces,
+      store, view, path, rects, bitDepth: well.bitDepth, oldBit: false, asked: quantity, quantity, imagePieces: pieces, wallPieces: pieces,
       imageRect: rects.image, wallRect: rects.wall, background: PALETTES[view.theme].background, dark: view.theme === 'dark',
       notes: [], intervals: store.intervals.filter(([name]) => !this.hidden.has(name)), zones: well.zones, growing: false, arms: null, string: null, over: well.quantities[0], glow: () => [],
     };
