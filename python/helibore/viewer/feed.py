@@ -26,7 +26,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Mask, column, distinct, joined, numbers, runs_of
+from helibore.base.arrays import Floats, column, distinct, joined, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -54,6 +54,7 @@ STRING_SECONDS = 0.1  # seconds between two looks whether the string has moved
 STRING_SHARE = 2  # the rest after its clearance is found is at least so many times the processor time of that
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
 FIRST_DATE = 1e8  # seconds: a smaller time counts from the start of the run, not from 1970
+BESIDE = 30.0  # degrees from the toolface of a breakout or key seat in which its height is
 MOST_BACK = 1.0  # metres that samples may lie above earlier ones, as those of several sensors do
 MOST_MESHED = 1_000_000  # vertices of a mesh that a page asks for
 USUAL_LIMIT = 0.02  # metres: with fewer turns, the colours reach at least this far below and above bit radius
@@ -305,8 +306,9 @@ class Feed:
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
             sure = {"confidence": round(zone.confidence, 6), "measured": _share(zone.coverage)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
-            error = self._error(sigma, int((zone.peak - self._shape.start_depth) / self._shape.pitch), measured)
-            error = error / 2.0 if zone.kind == "key seat" else error  # it is a height, the others are diameters
+            turn, is_slot = int((zone.peak - self._shape.start_depth) / self._shape.pitch), zone.kind == "key seat"
+            error = self._error(sigma, turn, zone.toolface, 360 if is_slot else 180)
+            error = error / 2.0 if is_slot else error  # its measure is a height, those of the others are diameters
             within = {"within": round(NORMAL_95 * error, 5)} if math.isfinite(error) else {}
             zones.append(place | size | within | sure | side)
         zones = sorted(zones + list(self._alarmed_zones(wall, found, sigma)), key=lambda zone: float(zone["start"]))
@@ -317,12 +319,18 @@ class Feed:
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
-    def _error(self, sigma: Floats | None, turn: int, of: Mask | None = None) -> float:
-        """Return the standard uncertainty of a diameter of a turn, if its radii err together; NaN: not known."""
+    def _error(self, sigma: Floats | None, turn: int, toolface: float = math.nan, period: int = 360) -> float:
+        """Return the standard uncertainty of a diameter of a turn, if its radii err together; NaN: not known.
+
+        With a ``toolface``, it is that of the radii beside it, and each ``period`` of degrees from it.
+        """
         if sigma is None:
             return math.nan
-        own = slice(turn * self._shape.sectors, (turn + 1) * self._shape.sectors)
-        errors = sigma[own] if of is None else sigma[own][of[own]]
+        K = self._shape.sectors
+        errors = sigma[turn * K : (turn + 1) * K]
+        if math.isfinite(toolface):
+            away = self._shape.start_toolface + np.arange(errors.size) * 360 / K - toolface
+            errors = errors[abs((away + period / 2) % period - period / 2) <= BESIDE]
         errors = errors[np.isfinite(errors)]
         return float(2.0 * np.median(errors)) if errors.size else math.nan
 

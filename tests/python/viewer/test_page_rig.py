@@ -374,6 +374,13 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         screen.until(f"{digits}.startsWith('none')")
         assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser, bit", "no heads over no rows"
         assert screen.inner_text("#rigBitHead") == "Bit depth, on bottom"
+        sparse = (((1020.0, 1036.0), None), ((1020.0, 1036.0), None))
+        viewer.scene.update_state(ahead=ahead | {"unseen": sparse})
+        screen.until(f"{digits}.startsWith('not known')")
+        end = screen.evaluate("window.__wall.app.store.span[1]")
+        assert screen.inner_text("#rigWorstMore") == f"too little seen in 1020.0–{end:.1f} m", "but above it, it is"
+        viewer.scene.update_state(ahead=ahead)
+        screen.until(f"{digits}.startsWith('none')")
         viewer.scene.update_state(hole_depth=1050.0)  # lifted
         screen.until(f"{digits}.startsWith('not known')")
         screen.close()
@@ -411,7 +418,8 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
         screen.settle()
         assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: sticks in", "0.0 m"]
         assert screen.evaluate(ROWS)[0][3:] == ["0.0 m", "none"]
-        colours = "[document.querySelector('#rigBodies .name').className.trim(), window.__wall.app.renderer.look().string.high < 0]"
+        red = "window.__wall.app.renderer.look().string.high < 0"
+        colours = f"[document.querySelector('#rigBodies .name').className.trim(), {red}]"
         assert screen.evaluate(colours) == ["name", False], (
             "what is not surely beyond its limit has no colour of an alarm"
         )

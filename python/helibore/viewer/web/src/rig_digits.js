@@ -310,10 +310,10 @@ function alarmed(app) {
 /** @param {App} app @returns {Zone[]} */
 export function zonesInRig(app) {
   const tight = tightNow(app);
-  return app.zones.filter((zone) => !isPassed(app, zone)).map((zone) => {
-    const own = tight.find((of) => of.zone === zone);
-    return own ? { ...zone, measure: own.measure, name: 'tight' } : zone;
-  });
+  /** @param {FirstPlace} of @returns {Zone} */
+  const asZone = ({ start, stop, measure, zone, sure }) => ({ kind: 'undergauge', severity: 1, confidence: sure, measured: null, start, stop, ...zone, measure, name: 'tight' });
+  const others = app.zones.filter((zone) => !isPassed(app, zone) && !tight.some((of) => of.zone === zone));
+  return [...others, ...tight.map(asZone)].sort((a, b) => a.start - b.start);
 }
 
 // Return the texts of the alarms: one for each place, with the numbers that stand beside it, and one for each alarm about data.

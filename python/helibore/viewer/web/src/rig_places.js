@@ -71,8 +71,8 @@ function unseenIn(app) {
   }
 }
 
-// Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. While hole is drilled, that
-// between sensor and bit does not count.
+// Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
+// not count, and while hole is drilled, that between sensor and bit.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
   const { ahead, string, bit, holeDepth } = app;
@@ -86,8 +86,9 @@ export function unseenAhead(app) {
       return ends ? place(ends, { left: leftTo(bit, bodies[i], way, ends), first: hanging[i]?.name ?? 'string', way }) : [];
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
-  const isDrilled = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED;
-  return found.filter(({ stop }) => !(isDrilled && stop > Math.min(bit ?? NaN, app.store.span[1]))).sort((a, b) => a.left - b.left);
+  const [first, last] = app.store.span;
+  const end = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED ? last : Infinity;
+  return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
 // Return how far the bit moves until a body meets a stretch of hole, metres; NaN if it is past it.

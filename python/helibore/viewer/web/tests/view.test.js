@@ -80,7 +80,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   for (const at of [100, 101, 102]) radii.note(at, 1050);
   /** @param {number} age @param {number} bitDepth @param {number} holeDepth */
   const without = (age, bitDepth, holeDepth) => words(bitDepth, 0.1, { radii, holeDepth, newest: Date.now() / 1000 - age, received: Date.now() / 1000 - 1 });
-  assert.deepEqual([without(12, 1051, 1051)[0], without(12, 1051, 1051)[2]], ['late', 'last radius 12 s old'], 'hole is drilled, and the caliper is dead');
+  assert.deepEqual([without(12, 1051, 1051)[0], without(12, 1051, 1051)[2]], ['late', 'no radius for 12 s, 1.0 m drilled'], 'hole is drilled, and the caliper is dead');
   assert.deepEqual([without(9, 1051, 1051), without(12, 1040, 1051), without(12, 1050, 1050)].map(([colour]) => colour), ['live', 'live', 'live'], 'soon, off bottom, no new hole');
   radii.usual = 50;
   assert.equal(without(59, 1051, 1051)[0], 'live', 'a tool that sends every 50 s');
