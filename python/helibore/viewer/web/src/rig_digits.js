@@ -140,7 +140,8 @@ function writeWorst(app) {
   const [far, farUnit] = left(next);
   const [other] = next.tight && next.way && !ahead?.moving ? tightOn(app, next.way === 'up' ? 'down' : 'up') : [];
   const and = other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : '';
-  const what = next === worst ? ', the worst place' : kindOf(next) !== UNSEEN ? `, ${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}` : sticks ? `; ${sticks.first === first ? '' : `${sticks.first} `}sticks in ${bound}${left(sticks).join(' ').trim()}` : `, ${showSpan(next.start, next.stop, units)}`;
+  const where = next.tight ? `, ${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}` : `, ${showSpan(next.start, next.stop, units)}`;
+  const what = next === worst ? ', the worst place' : next.tight || !sticks ? where : `; ${sticks.first === first ? '' : `${sticks.first} `}sticks in ${bound}${left(sticks).join(' ').trim()}`;
   return cell('rigWhere', nextHead(next, may(next)), next.tight && farUnit ? `${bound}${far}` : far, farUnit, `${first}${what}${and}`);
 }
 
@@ -166,9 +167,9 @@ export function hungInRig(app, bottom) {
   if (!string) return null;
   const unknown = { ...string, bottom, clearance: NaN, low: NaN, high: NaN, tightest: NaN };
   if (isStale(app)) return unknown;
-  const known = (string.hanging ?? []).map((one, i) => ({ ...one, sticks: sticksNow(app, i), position: string.bodies[i][2], room: roomOf(one) })).filter(({ room, short, sticks, position }) => room <= WIDE && !(Number(short) > NOW) && (sticks || position > 0));
-  const [least] = known.sort((a, b) => Number(b.sticks) - Number(a.sticks) || a.room - b.room);
-  return least ? { ...unknown, high: least.sticks ? -1 : NaN, tightest: least.depth ?? NaN, text: showSize(least.room, units) } : unknown;
+  const known = (string.hanging ?? []).map((one, body) => ({ ...one, body, sticks: sticksNow(app, body), position: string.bodies[body][2], room: roomOf(one) })).filter(({ room, short, sticks, position }) => room <= WIDE && !(Number(short) > NOW) && (sticks || position > 0));
+  const [least] = known.sort((a, b) => Number(b.sticks) - Number(a.sticks) || a.room - b.room || a.position - b.position);
+  return least ? { ...unknown, high: least.sticks ? -1 : NaN, tightest: least.depth ?? NaN, body: least.body, text: showSize(least.room, units) } : unknown;
 }
 
 // Return what a body clears or, if that is a bound, clears at most.
@@ -251,7 +252,7 @@ function rowOf(app, i) {
   return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
 }
 
-// Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, and for the body that sticks next on each way, in the order in which they
+// Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, for that with the least room, and for the body that sticks next on each way, in the order in which they
 // hang: what it clears now, and how far it moves up or down until it sticks. If none of them is there, the widest that is has a row. Below them: those of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
@@ -261,7 +262,8 @@ function writeBodies(app) {
   const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
   const near = nextToBit(bodies, store);
   const [unseen] = unseenAhead(app);
-  const wide = bodies.map((_, i) => i).filter((i) => i === near || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const least = hungInRig(app, NaN)?.body; // the picture names it
+  const wide = bodies.map((_, i) => i).filter((i) => i === near || i === least || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));

@@ -66,7 +66,7 @@ interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; s
 type RigidBody = [diameter: number, length: number, position: number];
 interface Hanging { name: string; clearance?: number; low?: number | null; high?: number | null; depth?: number | null; at_most?: boolean; short?: number }
 interface RigidString { bodies: RigidBody[]; why: string; hanging?: Hanging[]; bit?: number }
-interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number; text?: string } // in rig mode: what it clears there
+interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number; text?: string; body?: number } // in rig mode: what which body clears there
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }
