@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -144,27 +145,47 @@ class Reference:
         narrow = self.arms or of.lobe1_width[turn] <= 150
         return KEY_SEAT if higher >= criteria.key_seat and narrow else GAUGE
 
+    def measures(self, code: int, turns: Sequence[int]) -> Floats:
+        of = self.logs
+        if code == KEY_SEAT:
+            return np.array([self.height(turn) for turn in turns])
+        return {WASHOUT: of.c2 - BIT, BREAKOUT: of.c1 - of.c2, UNDERGAUGE: of.least_diameter - BIT}[code][list(turns)]
+
     def runs(self, kinds: list[int]) -> list[tuple[int, range]]:
         free, found = [kind >= 0 for kind in kinds], []
+        few = int((self.criteria.join + 1e-9) / self.pitch)
         for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):
+            of_kind = [turn for turn, kind in enumerate(kinds) if kind == code and free[turn]]
+            parts = np.split(of_kind, np.flatnonzero(np.diff(of_kind) > 1) + 1) if of_kind else []
             runs: list[range] = []
-            for turn, kind in enumerate(kinds):
-                if kind != code or not free[turn]:
-                    continue
-                gap = range(runs[-1].stop, turn) if runs else range(turn)
-                if (
-                    runs
-                    and (len(gap) * self.pitch <= self.criteria.join + 1e-9 or not gap)
-                    and all(free[between] for between in gap)
-                ):
-                    runs[-1] = range(runs[-1].start, turn + 1)
+            for part in parts:
+                before, start, stop = (runs[-1].stop if runs else 0), int(part[0]), int(part[-1]) + 1
+                if code in (WASHOUT, BREAKOUT):
+                    least = 0.65 * np.median(self.measures(code, part))
+                    start = self.end_of(code, kinds, free, range(start - 1, before - 1, -1), least, few, start)
+                    stop = max(stop, before)
+                    stop = self.end_of(code, kinds, free, range(stop, len(kinds)), least, few, stop - 1) + 1
+                if runs and start - before <= few and all(free[before:start]):
+                    runs[-1] = range(runs[-1].start, max(stop, before))
                 else:
-                    runs.append(range(turn, turn + 1))
+                    runs.append(range(start, stop))
             for run in runs:
-                if len(run) * self.pitch >= self.criteria.least_length - 1e-9:
+                inside = [turn for turn in run if kinds[turn] == code]
+                if (inside[-1] + 1 - inside[0]) * self.pitch >= self.criteria.least_length - 1e-9:
                     found.append((code, run))
                     free[run.start : run.stop] = [False] * len(run)
         return found
+
+    def end_of(
+        self, code: int, kinds: list[int], free: list[bool], beside: range, least: float, few: int, end: int
+    ) -> int:
+        """Return the last turn beside a run that has nearly as much; up to ``few`` turns on end may have less."""
+        for turn in beside:
+            if not free[turn] or abs(turn - end) > few + 1:
+                break
+            if kinds[turn] in (GAUGE, code) and self.measures(code, [turn])[0] >= least:
+                end = turn
+        return end
 
     def section(self, turn: int) -> Floats:
         own = self.logs.section[turn].copy()
@@ -306,10 +327,7 @@ def test_zones_are_those_of_the_rules_turn_by_turn(tool: str, shape: str, keen: 
         ends = sorted((logs.depth[run.start], logs.depth[run.stop - 1]))
         assert (zone.start, zone.stop) == (ends[0] - of.pitch / 2, ends[1] + of.pitch / 2)
         sizes = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - BIT
-        measures = {
-            WASHOUT: logs.c2[inside] - BIT, BREAKOUT: (logs.c1 - logs.c2)[inside],
-            KEY_SEAT: np.array([of.height(turn) for turn in inside]), UNDERGAUGE: logs.least_diameter[inside] - BIT,
-        }[code]  # fmt: skip
+        measures = of.measures(code, inside)
         extreme = np.min if code == UNDERGAUGE else np.max
         assert (zone.measure, zone.median, zone.enlargement) == (extreme(measures), np.median(measures), extreme(sizes))
         assert zone.elongation == (logs.c1 - logs.c2)[inside].max()
