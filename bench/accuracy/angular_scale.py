@@ -35,6 +35,7 @@ def errors(hole: Hole, samples: int, height: float, seed: int) -> list[float]:
     for scale in SCALES:
         wall = hb.reconstruct(
             caliper, bit_diameter=hole.bit_diameter, sectors=64, pitch=0.05, angular_scale=scale,
+            estimator="inverse-distance",
             start_depth=hole.start + 6.0, stop_depth=hole.start + 34.0,
         )  # fmt: skip
         off = wall.radius - hole.radius(wall.depth, wall.toolface)

@@ -155,7 +155,14 @@ def walls() -> None:
             seen = ((turned, tool.wall), (turned, tool.wall + tool.noise), recentred, recentred)
             for (toolface, radius), scale in zip(seen, (1.0, 1.0, 1.0, 4.0), strict=True):
                 caliper = hb.Caliper(depth, toolface, radius)
-                wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=samples, pitch=0.02, angular_scale=scale)
+                wall = hb.reconstruct(
+                    caliper,
+                    bit_diameter=0.216,
+                    sectors=samples,
+                    pitch=0.02,
+                    angular_scale=scale,
+                    estimator="inverse-distance",
+                )
                 truth = tool.shape(np.radians(wall.toolface)).ravel()
                 errors.append(1e3 * np.sqrt(np.mean((wall.radius - truth) ** 2)))
             left = np.sqrt(max(errors[2] ** 2 - errors[1] ** 2, 0.0))

@@ -3,11 +3,11 @@
     ./develop evidence [SEED ...]
 
 Cases combine five kinds of hole whose true shape is known; six ways to measure it (three rotating tools, a tool with
-four fixed arms, stick-slip, telemetry); three noises; and several seeds. Each hole is rebuilt by default settings, by
+four fixed arms, stick-slip, telemetry); three noises; and several seeds. Each hole is rebuilt by inverse distance, by
 kriging, by tuned settings, and by other methods and libraries (`peers`) if they are installed. The page also has the
 published experiment (`published`), passes of a real caliper, each predicted from the others, the classes of cases of
 `automatic`, the least errors that two of them allow (`least_error`), and holes of a known process beside an oracle
-(`known_process`). A ratio is the rms error of a method divided by that of the default settings. Means of ratios are
+(`known_process`). A ratio is the rms error of a method divided by that of inverse distance. Means of ratios are
 geometric, with 95 % intervals by bootstrap over cases. helibore was not developed with these seeds.
 """
 
@@ -31,7 +31,7 @@ from helibore.preparation.shifts import find_shifts
 
 SEEDS = (301, 302)
 DOCS = Path(__file__).parents[2] / "docs"
-LOST = 1.02, 1.08  # ratios over the default and the tuned wall from which a case is listed
+LOST = 1.02, 1.08  # ratios over inverse distance and the tuned wall from which a case is listed
 EDGE = 0.5  # metres at each end of the hole that are not compared
 
 
@@ -55,11 +55,11 @@ def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) 
     hole, caliper = measured(kind, tool, noise, seed)
     tuned = hb.tune(caliper, bit_diameter=BIT, threads=1).settings
     walls = {
-        "default": hb.reconstruct(caliper, bit_diameter=BIT, threads=1),
+        "inverse distance": hb.reconstruct(caliper, bit_diameter=BIT, threads=1, estimator="inverse-distance"),
         "kriging": hb.reconstruct(caliper, bit_diameter=BIT, threads=1, estimator="kriging"),
         "tuned": hb.reconstruct(caliper, threads=1, **vars(tuned)),
     }
-    depth, toolface = walls["default"].depth, walls["default"].toolface
+    depth, toolface = walls["inverse distance"].depth, walls["inverse distance"].toolface
     inside = (depth > EDGE) & (depth < LENGTH - EDGE)
     truth = hole.radius(depth, toolface)
 
@@ -92,8 +92,8 @@ def _coverage(hole: Hole, wall: hb.Wall, inside: np.ndarray, truth: Floats) -> t
 
 
 def mean_ratio(cases: Iterable[Case], method: str) -> str:
-    """Return as text the geometric mean of a method's errors over the default's, its 95 % interval, the worst case."""
-    ratios = np.log([case.errors[method] / case.errors["default"] for case in cases if method in case.errors])
+    """Return as text the mean of a method's errors over inverse distance's, its 95 % interval, the worst case."""
+    ratios = np.log([case.errors[method] / case.errors["inverse distance"] for case in cases if method in case.errors])
     if not ratios.size:
         return "-"
     if ratios.size == 1:
@@ -104,7 +104,7 @@ def mean_ratio(cases: Iterable[Case], method: str) -> str:
 
 
 def between_arms() -> str:
-    """Return as text the rms errors of two walls, by default and by tuned settings.
+    """Return as text the rms errors of two walls, by inverse distance and by tuned settings.
 
     A tool with four arms measures an ellipse; it makes one turn in 30 m and samples every 5 cm.
     """
@@ -117,10 +117,10 @@ def between_arms() -> str:
     caliper = hb.Caliper(depth, toolface, truth(toolface))
     tuned = vars(hb.tune(caliper, bit_diameter=BIT).settings)
     errors = []
-    for settings in ({"bit_diameter": BIT}, tuned):
+    for settings in ({"bit_diameter": BIT, "estimator": "inverse-distance"}, tuned):
         wall = hb.reconstruct(caliper, **settings)
         errors.append(1e3 * float(np.sqrt(np.mean((wall.radius - truth(wall.toolface)) ** 2))))
-    return f"{errors[0]:.2f} mm rms by the default, {errors[1]:.2f} mm by `hb.tune` alone"
+    return f"{errors[0]:.2f} mm rms by inverse distance, {errors[1]:.2f} mm by `hb.tune` alone"
 
 
 def _unit(toolface: Floats) -> Floats:
@@ -130,7 +130,7 @@ def _unit(toolface: Floats) -> Floats:
 def left_out_passes() -> list[list[str]]:
     """Return a row for each pass of the F-12 caliper, predicted from the other passes, and a last row of the means.
 
-    The columns are the pass, the mean of |error| and the rms error, mm, by the default settings, and then the same two
+    The columns are the pass, the mean of |error| and the rms error, mm, by inverse distance, and then the same two
     errors by tuned settings. Return [] if the caliper's file is not there.
     """
     if not f12.FILE.exists():
@@ -143,7 +143,7 @@ def left_out_passes() -> list[list[str]]:
         mine = passes == number
         caliper = hb.Caliper(moved[~mine], toolface[~mine], radius[~mine])
         found = []
-        for chosen in (settings, vars(hb.tune(caliper, **settings).settings)):
+        for chosen in (settings | {"estimator": "inverse-distance"}, vars(hb.tune(caliper, **settings).settings)):
             off = 1e3 * (f12.evaluate(hb.reconstruct(caliper, **chosen), moved[mine], toolface[mine]) - radius[mine])
             found.append((np.nanmean(np.abs(off)), np.sqrt(np.nanmean(off**2))))
         sums.append(np.ravel(found))
@@ -205,7 +205,7 @@ def without_option(found: dict[str, list[automatic.Measured]]) -> str:
         [
             name,
             str(len(of)),
-            geometric([each.over_default for each in of]),
+            geometric([each.over_inverse for each in of]),
             geometric([each.over_tuned for each in of]),
             percent([each.holds for each in of]),
             percent([each.shape_holds for each in of]),
@@ -213,13 +213,13 @@ def without_option(found: dict[str, list[automatic.Measured]]) -> str:
         ]
         for name, of in found.items()
     ]
-    head = ["class", "cases", "over the default", "over tuned", "interval", "C1 - C2", "volume"]
+    head = ["class", "cases", "over inverse distance", "over tuned", "interval", "C1 - C2", "volume"]
     lost = [
-        f"- {name}, {each.name}: {each.over_default:.2f} of the default"
+        f"- {name}, {each.name}: {each.over_inverse:.2f} of inverse distance"
         + (f", {each.over_tuned:.2f} of tuned" if np.isfinite(each.over_tuned) else "")
         for name, of in found.items()
         for each in of
-        if each.over_default > LOST[0] or each.over_tuned > LOST[1]
+        if each.over_inverse > LOST[0] or each.over_tuned > LOST[1]
     ]
     return table(head, rows) + "\n\nWhere it loses:\n\n" + ("\n".join(lost) or "- nowhere in these cases")
 
@@ -231,8 +231,8 @@ def beside_oracle(seed: int) -> str:
     for tool in dict.fromkeys(tool for tool, _, _ in found):
         of = [errors for at, _, errors in found if at == tool]
         rows.append([tool, *(geometric([each[name] / each["oracle"] for each in of])
-                             for name in ("automatic", "tuned", "default"))])  # fmt: skip
-    return table(["tool", "automatic", "tuned", "default"], rows)
+                             for name in ("automatic", "tuned", "inverse distance"))])  # fmt: skip
+    return table(["tool", "automatic", "tuned", "inverse distance"], rows)
 
 
 def least_errors(seed: int) -> str:
@@ -252,7 +252,7 @@ def page(
 ) -> str:
     """Return the page docs/evidence.md; ``missing`` are libraries that are not installed."""
     usual = [case for case in cases if case.noise == 5e-4]
-    names = list(dict.fromkeys(name for case in cases for name in case.errors if name != "default"))
+    names = list(dict.fromkeys(name for case in cases for name in case.errors if name != "inverse distance"))
     by_tool = [
         [tool, *(mean_ratio([case for case in usual if case.tool == tool], name) for name in names)]
         for tool in (*ROTATING, *OTHERS)
@@ -282,7 +282,7 @@ def page(
     return f"""# Evidence: how good the wall is, and how sure
 
 `./develop evidence` writes this page. Holes of known truth: {", ".join(HOLES)}; seed {seeds}; {LENGTH:g} m;
-bit {1e3 * BIT:g} mm; 64 sectors, pitch 0.1 m. Ratio = rms error of a method over that of the default settings;
+bit {1e3 * BIT:g} mm; 64 sectors, pitch 0.1 m. Ratio = rms error of a method over that of inverse distance;
 geometric mean, 95 % interval by bootstrap over cases, worst case. Other methods: 32 a turn and the first seed only;
 PyKrige with 0.5 mm of noise only. Not installed, and left out: {", ".join(missing) or "none"}.
 
@@ -298,7 +298,7 @@ PyKrige with 0.5 mm of noise only. Not installed, and left out: {", ".join(missi
 
 {table(["noise", *names], by_noise)}
 
-![Error of tuned walls over that of the default, by hole and tool](evidence.png)
+![Error of tuned walls over that of inverse distance, by hole and tool](evidence.png)
 
 ## Without an option: `estimator="automatic"`
 
@@ -312,7 +312,7 @@ holds the truth, %. Seed {first_seed}.
 
 Arms that never cross leave open how a shape turns along the hole: four arms see a breakout that turns by 5
 degrees a metre as one that turns the other way. The wall is then the mean of those that are likely. No method
-wins in every case; that is why inverse distance, as published, is the default.
+wins in every case; inverse distance, as published, is there by name.
 
 The least error of a linear estimate that knows the covariance of all such holes, and that of automatic, over tuned:
 {least_errors(first_seed)}.
@@ -333,7 +333,7 @@ geometric mean, worst.
 
 Volve F-12, 2010, depth shifts found; mean of |error| and rms, mm. One step of the file is 0.38 mm.
 
-{table(["pass", "default, mean", "default, rms", "tuned, mean", "tuned, rms"], left_out_passes())}
+{table(["pass", "inverse distance, mean", "inverse distance, rms", "tuned, mean", "tuned, rms"], left_out_passes())}
 
 ## The published experiment
 
@@ -353,7 +353,7 @@ sampled) do not count: with four arms that is all between the arms. All cases of
 
 
 def draw(cases: list[Case], file: Path) -> None:
-    """Draw the error of the tuned wall over that of the default for each case with 0.5 mm of noise."""
+    """Draw the error of the tuned wall over that of inverse distance for each case with 0.5 mm of noise."""
     import matplotlib.pyplot as plt
 
     tools = (*ROTATING, *OTHERS)
@@ -361,10 +361,10 @@ def draw(cases: list[Case], file: Path) -> None:
     for number, kind in enumerate(HOLES):
         of = [case for case in cases if case.hole == kind and case.noise == 5e-4]
         x = [tools.index(case.tool) + (number - 2) * 0.13 for case in of]
-        axes.plot(x, [case.errors["tuned"] / case.errors["default"] for case in of], "o", ms=4, label=kind)
+        axes.plot(x, [case.errors["tuned"] / case.errors["inverse distance"] for case in of], "o", ms=4, label=kind)
     axes.axhline(1.0, color="grey", lw=0.8)
     axes.set_xticks(range(len(tools)), tools)
-    axes.set_ylabel("rms error, tuned over default")
+    axes.set_ylabel("rms error, tuned over inverse distance")
     axes.set_ylim(0, None)
     axes.legend(ncols=5, fontsize=8)
     figure.savefig(file, dpi=110, metadata={"Software": None})

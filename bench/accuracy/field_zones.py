@@ -52,13 +52,19 @@ def main() -> None:
     for number in np.unique(passes):
         of = passes == number
         samples = hb.Caliper(depth[of], toolface[of], radius[of], arm=arm[of])
-        show(f"F-12, pass {number}", hb.reconstruct(samples, bit_diameter=2 * float(np.median(radius[of]))))
+        show(
+            f"F-12, pass {number}",
+            hb.reconstruct(samples, bit_diameter=2 * float(np.median(radius[of])), estimator="inverse-distance"),
+        )
     for tool, name in (("DC", "density"), ("UC", "ultrasonic")):
         of_row, vertical, horizontal = diameters(DATA / F15, tool)
         half = np.column_stack([vertical, horizontal, vertical, horizontal]).ravel() / 2
         around = np.tile([0.0, 90.0, 180.0, 270.0], of_row.size)
         samples = hb.Caliper(np.repeat(of_row, 4), around, half, arm=np.tile([0, 1, 0, 1], of_row.size))
-        show(f"F-15, {name}", hb.reconstruct(samples, bit_diameter=8.5 * INCH, sectors=32, pitch=STEP))
+        show(
+            f"F-15, {name}",
+            hb.reconstruct(samples, bit_diameter=8.5 * INCH, sectors=32, pitch=STEP, estimator="inverse-distance"),
+        )
 
 
 if __name__ == "__main__":

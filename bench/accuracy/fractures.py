@@ -77,7 +77,7 @@ def logged(grown: Grown, per_turn: float, pitch: float, noise: float, rng: np.ra
 def say(name: str, read: Iterable[hb.Caliper]) -> None:
     holes, found, filled = 0, Counter[str](), Counter[str]()
     for of in read:
-        zones = hb.reconstruct(of, bit_diameter=BIT).zones().zones
+        zones = hb.reconstruct(of, bit_diameter=BIT, estimator="inverse-distance").zones().zones
         holes += 1
         found.update({zone.kind for zone in zones} or {"none"})
         filled.update({zone.kind for zone in zones if zone.confidence >= FILLED})

@@ -50,7 +50,12 @@ def drawn(process: Covariance, tool: str, seed: int) -> dict[str, float]:
     rng = np.random.default_rng([seed, 17])
     depth, toolface = positions(tool, rng)
     ends: dict[str, Any] = {"start_depth": float(depth[0]) + EDGE, "stop_depth": float(depth[-1]) - EDGE}
-    grid = hb.reconstruct(hb.Caliper(depth, toolface, np.full(depth.size, BIT / 2)), bit_diameter=BIT, **ends)
+    grid = hb.reconstruct(
+        hb.Caliper(depth, toolface, np.full(depth.size, BIT / 2)),
+        bit_diameter=BIT,
+        estimator="inverse-distance",
+        **ends,
+    )
     rows = np.sort(rng.choice(grid.depth.size, min(PLACES, grid.depth.size), replace=False))
     at = np.concatenate([depth, grid.depth[rows]]), np.concatenate([toolface, grid.toolface[rows]])
     matrix = process.at(at[1][:, None] - at[1], at[0][:, None] - at[0])
@@ -64,7 +69,7 @@ def drawn(process: Covariance, tool: str, seed: int) -> dict[str, float]:
     for name, given in (
         ("automatic", {"estimator": "automatic", "bit_diameter": BIT} | ends),
         ("tuned", tuned),
-        ("default", {"bit_diameter": BIT} | ends),
+        ("inverse distance", {"bit_diameter": BIT, "estimator": "inverse-distance"} | ends),
     ):
         wall = hb.reconstruct(caliper, threads=1, **given)
         errors[name] = wall.radius[rows] - BIT / 2 - shape[n:]
@@ -82,7 +87,7 @@ def main(seed: int) -> None:
     """Print the errors of each case, and the mean ratios."""
     found = []
     for tool, name, errors in cases(seed):
-        ratios = {key: errors[key] / errors["oracle"] for key in ("automatic", "tuned", "default")}
+        ratios = {key: errors[key] / errors["oracle"] for key in ("automatic", "tuned", "inverse distance")}
         found.append((tool in ROTATING, ratios["automatic"]))
         text = ", ".join(f"{key} {value:.3f}" for key, value in ratios.items())
         print(f"{tool}, {name}: oracle {1e3 * errors['oracle']:.3f} mm; {text} of it", flush=True)

@@ -61,7 +61,9 @@ def read(path: Path):
 def predict(depth, toolface, radius, train, test):
     """Return the radii, metres, that the wall of the samples ``train`` has at the samples ``test``."""
     caliper = hb.Caliper(depth[train], toolface[train], radius[train])
-    wall = hb.reconstruct(caliper, bit_diameter=2 * float(np.median(radius)), sectors=32, pitch=0.1)
+    wall = hb.reconstruct(
+        caliper, bit_diameter=2 * float(np.median(radius)), sectors=32, pitch=0.1, estimator="inverse-distance"
+    )
     return evaluate(wall, depth[test], toolface[test])
 
 

@@ -40,7 +40,7 @@ def report(name: str, text: str, met: bool) -> None:
 
 
 def four_arms_in_an_ellipse() -> None:
-    logs = hb.reconstruct(four_arms(ellipse), bit_diameter=BIT).logs()
+    logs = hb.reconstruct(four_arms(ellipse), bit_diameter=BIT, estimator="inverse-distance").logs()
     true = [2 * ellipse(logs.depth, 12 * logs.depth + 90 * arm) for arm in (0, 1)]
     off = 1e3 * max(np.abs(logs.arm_diameter[arm] - true[arm]).max() for arm in (0, 1))
     apart = 1e3 * np.abs(logs.c1 - logs.c2 - np.abs(true[0] - true[1])).max()
@@ -91,7 +91,7 @@ def f12() -> None:
     toolface = np.concatenate([bearing, bearing + 180, bearing + 90, bearing + 270])
     radius = np.concatenate([x, x, y, y]) * 0.0127
     caliper = hb.Caliper(np.tile(depth, 4), toolface, radius, arm=np.repeat([0, 0, 1, 1], depth.size))
-    logs = hb.reconstruct(caliper, bit_diameter=6.2 * 0.0254).logs()
+    logs = hb.reconstruct(caliper, bit_diameter=6.2 * 0.0254, estimator="inverse-distance").logs()
     kept = logs.out_of_roundness.mean() / np.abs(x - y).mean() / 0.0254
     means = [float(of.mean() / 0.0254) for of in logs.arm_diameter]
     text = f"out-of-roundness {kept:.4f} of the arms'; mean diameters {means[0]:.4f} and {means[1]:.4f} in, "

@@ -201,7 +201,7 @@ def times() -> None:
         samples = hb.Caliper(
             depth, toolface, hole("rough", rng)(depth % LENGTH, toolface), arm=k % arms if arms else None
         )
-        made = hb.reconstruct(samples, bit_diameter=BIT, threads=1)
+        made = hb.reconstruct(samples, bit_diameter=BIT, threads=1, estimator="inverse-distance")
         start = time.process_time()
         zones = made.zones().zones
         print(f"kinds, {tool}: {time.process_time() - start:.2f} s, {len(zones)} zones", flush=True)

@@ -45,7 +45,7 @@ def slots(first: int) -> None:
             axis, towards, off = rng.uniform(0, 360), rng.uniform(0, 360), rng.uniform(0, 0.010)
             radius = _seen_from(off * np.exp(1j * np.radians(towards)), BIT / 2, pipe, deep, axis, toolface)
             samples = hb.Caliper(turns * pitch, toolface, radius + rng.normal(0, NOISE, turns.size))
-            zones = hb.reconstruct(samples, bit_diameter=BIT).zones().zones
+            zones = hb.reconstruct(samples, bit_diameter=BIT, estimator="inverse-distance").zones().zones
             right.append([zone.kind for zone in zones] == ["key seat"])
             apart += [1e3 * abs(zone.pipe_diameter - pipe) for zone in zones if zone.kind == "key seat"]
         known = np.array(apart)[np.isfinite(apart)]
@@ -103,7 +103,7 @@ def _stopped(of: Hole, stop: float, stands: int, rng: np.random.Generator) -> hb
     depth = np.append(turning, standing)
     toolface = np.append(rng.uniform(0, 360, turning.size), at + rng.uniform(-3, 3, standing.size)) % 360
     radius = of.radius(depth, toolface) + rng.normal(0, of.noise, depth.size)
-    return hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT)
+    return hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="inverse-distance")
 
 
 if __name__ == "__main__":

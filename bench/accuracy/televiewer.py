@@ -77,7 +77,7 @@ def read_wall(folder: Path) -> hb.Wall:
     """Return a round wall, as large as the mean caliper, with the image; without travel time its shape is not known."""
     size = np.genfromtxt(folder / "caliper_max_ave.csv", delimiter=",", names=True)
     round_hole = hb.Caliper.from_average(size["depth_m"], size["cal_ave_diameter_mm"] / 1000)
-    wall = hb.reconstruct(round_hole, bit_diameter=GAUGE, sectors=144, pitch=0.02)
+    wall = hb.reconstruct(round_hole, bit_diameter=GAUGE, sectors=144, pitch=0.02, estimator="inverse-distance")
     with hb.open(folder / "atv_amplitude.npz") as file:
         image = file.image("amplitude").sector_image(origin="centre", reference="north", name="Amplitude")
     wall.images[image.name] = image

@@ -56,7 +56,7 @@ def main() -> None:
     wall, seconds = model.layers["main"], marks[-1][1] - marks[0][1]
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     assert wall.sample_count == count == model.counts["drawn"]
-    batch = hb.reconstruct(wall.samples, bit_diameter=0.216, start_depth=1000.0)
+    batch = hb.reconstruct(wall.samples, bit_diameter=0.216, start_depth=1000.0, estimator="inverse-distance")
     assert np.array_equal(batch.radius, wall.radius, equal_nan=True), "the replayed wall is not the batch wall"
     quarters = [marks[i * (len(marks) - 1) // 4] for i in range(5)]
     rates = [f"{(b - a) / (end - begin):,.0f}" for (a, begin), (b, end) in itertools.pairwise(quarters)]

@@ -19,7 +19,7 @@ def latency(length: float, appends: int = 1000, samples_a_metre: int = 1000) -> 
     count = int(length * samples_a_metre)
     vertices = int((length + appends * BATCH / samples_a_metre) * SECTORS / PITCH)
     depth, toolface, radius, _ = samples(count + appends * BATCH, vertices, "as recorded")
-    wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH)
+    wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH, estimator="inverse-distance")
     wall.append(depth[:count], toolface[:count], radius[:count])
     seconds = []
     for first in range(count, count + appends * BATCH, BATCH):
@@ -27,7 +27,13 @@ def latency(length: float, appends: int = 1000, samples_a_metre: int = 1000) -> 
         start = time.perf_counter()
         wall.append(depth[part], toolface[part], radius[part])
         seconds.append(time.perf_counter() - start)
-    whole = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH)
+    whole = hb.reconstruct(
+        hb.Caliper(depth, toolface, radius),
+        bit_diameter=BIT_DIAMETER,
+        sectors=SECTORS,
+        pitch=PITCH,
+        estimator="inverse-distance",
+    )
     assert whole.radius.tobytes() == wall.radius.tobytes()
     p50, p99 = np.percentile(seconds, [50, 99]) * 1000
     return {

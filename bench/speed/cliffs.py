@@ -76,7 +76,8 @@ CASES: dict[str, tuple[Callable[[], Samples], dict[str, Any]]] = {
 
 def reconstruct(data: Samples, **settings: Any) -> hb.Wall:
     """Return the wall of these samples, rebuilt on all cores."""
-    fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": LENGTH}
+    fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": LENGTH,
+             "estimator": "inverse-distance"}  # fmt: skip
     return hb.reconstruct(hb.Caliper(*data), **{**fixed, **settings})
 
 

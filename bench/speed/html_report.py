@@ -22,7 +22,9 @@ BIT = 0.216
 def seconds(metres: float = 420.0) -> dict[str, float]:
     """Simulate and rebuild a hole; return the seconds that its report takes, and the sizes of hole and report."""
     run = simulate(Hole.example(2000.0, 2000.0 + metres), Tool(sample_rate=5.0))
-    wall = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT)
+    wall = hb.reconstruct(
+        hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT, estimator="inverse-distance"
+    )
     wall.images["GR"] = hb.SectorImage(run.gamma_depth, run.gamma, "GR", "gAPI", origin="edge", reference="high-side")
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()

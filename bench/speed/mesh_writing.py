@@ -30,7 +30,9 @@ def _wall(samples: int, vertices: int) -> hb.Wall:
     rng = np.random.default_rng(4)
     length = 0.1 * vertices / SECTORS
     columns = (np.sort(rng.uniform(0, length, samples)), rng.uniform(0, 360, samples), rng.uniform(0.1, 0.12, samples))
-    return hb.reconstruct(hb.Caliper(*columns), bit_diameter=0.216, start_depth=0.0, sectors=SECTORS)
+    return hb.reconstruct(
+        hb.Caliper(*columns), bit_diameter=0.216, start_depth=0.0, sectors=SECTORS, estimator="inverse-distance"
+    )
 
 
 def _surface(quads: int) -> hb.Surface:
@@ -104,7 +106,9 @@ def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) 
             "load": lambda: hb.load(ours),
             "np.load": lambda: np.load(theirs),
             "np.load of .npz": lambda: _whole(zipped),
-            "rebuild": lambda: hb.reconstruct(wall.samples, bit_diameter=0.216, start_depth=0.0, sectors=SECTORS),
+            "rebuild": lambda: hb.reconstruct(
+                wall.samples, bit_diameter=0.216, start_depth=0.0, sectors=SECTORS, estimator="inverse-distance"
+            ),
         }
         works["np.save"]()
         seconds = in_turn(works, rounds)

@@ -82,7 +82,8 @@ def brute_force(depth: Floats, toolface: Floats, radius: Floats, at_depth: float
 def reconstruct(data: tuple[Floats, Floats, Floats, float], **settings: Any) -> hb.Wall:
     """Return the wall of raw arrays; by default it is rebuilt on all cores."""
     depth, toolface, radius, stop = data
-    fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": stop}
+    fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": stop,
+             "estimator": "inverse-distance"}  # fmt: skip
     return hb.reconstruct(hb.Caliper(depth, toolface, radius), **fixed, **settings)
 
 

@@ -67,7 +67,7 @@ def check(folder: Path, samples: int) -> None:
     loaded = np.load(folder / "samples.npz")
     caliper = hb.Caliper(loaded["depth"], loaded["toolface"], loaded["radius"], loaded["time"])
     assert len(caliper) == samples
-    wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=SECTORS, pitch=PITCH)
+    wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=SECTORS, pitch=PITCH, estimator="inverse-distance")
     stations = np.loadtxt(folder / "survey.csv", delimiter=",", skiprows=1).T
     surface = wall.surface(hb.Survey(*stations).path())
     triangles = surface.vertices[surface.triangles()]

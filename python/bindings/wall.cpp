@@ -54,7 +54,7 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     take("max_iterations", s.max_iterations);
     take("tolerance", s.tolerance);
     take("angular_scale", s.angular_scale);
-    s.estimator = estimator_named(given["estimator"].cast<std::string>());
+    if (!given["estimator"].is_none()) s.estimator = estimator_named(given["estimator"].cast<std::string>());
     std::optional<double> kriging_range;
     take("kriging_range", kriging_range);
     take("nugget", s.nugget);

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from helibore.settings import wall_settings
+
 pytest.register_assert_rewrite("golden_texts")
 from golden_texts import golden, pytest_addoption, pytest_configure, pytest_sessionfinish  # noqa: E402
 
@@ -23,6 +25,7 @@ LONG = {
     "test_reprocess.py",
 }
 
+wall_settings.USUAL = "inverse-distance"  # a fit for each wall would take a second; test_automatic.py has the default
 settings.register_profile("without deadlines", deadline=None)  # an example may take long on a loaded machine
 settings.load_profile("without deadlines")
 

@@ -1,8 +1,7 @@
 """``helibore reconstruct`` and ``helibore mesh``: write a wall as a mesh, a volume of hexahedra, or an archive.
 
 Both commands have the same options and write the same files: `reconstruct` is the usual name for caliper files, `mesh`
-for an archive, an average caliper or a gauge hole. `reconstruct` first prints what ``--estimator automatic`` would
-gain, or at last the cross-validated error.
+for an archive, an average caliper or a gauge hole. `reconstruct` prints the cross-validated error of the wall.
 """
 
 from __future__ import annotations
@@ -105,7 +104,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     _check(run, options, ends)
     import numpy as np
 
-    from helibore.cli.mesh_output import error_lines, gain_lines, made_lines, save_mesh, write_centres
+    from helibore.cli.mesh_output import error_lines, made_lines, save_mesh, write_centres
     from helibore.mesh.surface import Surface
     from helibore.mesh.volume import Volume
     from helibore.runs.run import build_wall, placing, read_run, suit_images
@@ -140,13 +139,12 @@ def _write(verb: str, options: dict[str, Any]) -> None:
             write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
         saved = save_lines(run, output, verb, options, [centres] if centres else [])
     if not options["quiet"]:
-        gain, sure = [], []
+        sure = []
         if verb == "reconstruct":
             with terminal.stage("compare", "Comparing estimators"):
-                gain = gain_lines(run)
-                sure = [] if gain else error_lines(run, options["threads"])
+                sure = error_lines(run, options["threads"])
         end = [*sure, *saved, ("time", terminal.times())]
-        terminal.summary([*gain, *run.messages, *made_lines(run, made, ends), *end])
+        terminal.summary([*run.messages, *made_lines(run, made, ends), *end])
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,33 +63,17 @@ def write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
     write_table(file, columns)
 
 
-def gain_lines(run: Run) -> Lines:
-    """Return a line on what the estimator 'automatic' would gain over inverse distance; none if it cannot say that."""
-    from helibore.wall.automatic import LABELS, choose
-
-    settings = run.wall.settings
-    if run.wall.basis != "azimuthal" or settings.estimator != "inverse-distance" or run.tune:
-        return []
-    choice = choose(run.wall.samples, replace(settings, estimator="automatic"))
-    if choice.reason:
-        return []
-    chosen = choice.settings.estimator
-    if not choice.errors:
-        return [("accuracy", f"with --estimator automatic {choice.sentence}")]
-    text = f"inverse distance: expected error {1e3 * choice.errors['inverse-distance']:.3g} mm{choice.where}"
-    if chosen == "inverse-distance":
-        return [("accuracy", f"{text}; --estimator automatic finds no better one")]
-    better = f"{1e3 * choice.errors[chosen]:.3g} mm, by {LABELS[chosen]}"
-    return [("accuracy", f"{text}; with --estimator automatic {better}")]
-
-
 def error_lines(run: Run, threads: int | None) -> Lines:
-    """Return a line on the cross-validated error of the wall; no line if there is none, or if tuning has printed it."""
+    """Return a line on the cross-validated error of the wall.
+
+    There is no line if there is no such error, or if the choice of an estimator or tuning has printed what to expect:
+    between arms, samples that are left out come back better than the wall, those of X-Y diameters exactly.
+    """
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 
-    count = run.wall.sample_count
-    if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or run.tune:
+    count, said = run.wall.sample_count, {label for label, _ in run.messages}
+    if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or said & {"tuned", "estimator"}:
         return []
     try:
         return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]

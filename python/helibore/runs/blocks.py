@@ -256,7 +256,7 @@ def _between(values: Floats, low: float | None, high: float | None) -> Any:
 def _settings(run: Run) -> Settings:
     if run.settings.wall is None:
         raise RuntimeError("a well in blocks without settings; this is a bug in helibore")
-    return run.settings.wall
+    return run.settings.wall.resolved(later=True)
 
 
 def _helix(wall: Settings, ends: tuple[float, float]) -> Json:

@@ -389,6 +389,7 @@ def build_wall(
         if wall is not None and samples is not None:
             _, made = samples
             caliper = made if isinstance(made, Caliper) else made.caliper
+            wall = wall.resolved()
             if run.tune:
                 wall = _tune(run, wall, caliper, threads)
             elif wall.estimator == "automatic":

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Literal, cast
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, cast
 
 from helibore.settings.declared import (
     DEGREES,
@@ -33,6 +33,14 @@ BIASES = Rule(
 )
 TURNS = Rule("must have ten numbers for each turn", lambda values: len(values) > 0 and len(values) % 10 == 0)
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
+
+USUAL: Literal["inverse-distance", "automatic"] = "automatic"
+"""The estimator where none is stated and all samples are there."""
+CHOSEN = (
+    "neighbors", "window", "power", "max_iterations", "tolerance", "angular_scale", "kriging_range", "nugget",
+    "covariance", "other_turns", "direct",
+)  # fmt: skip
+"""Settings that 'automatic' chooses, or cannot have: stating one states that it shall not choose."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +89,8 @@ class Settings(Declared, group="wall"):
         "lie above and below: 4 halves the error of many holes, whose shape changes little with depth "
         "(``bench/accuracy/angular_scale.py``). The published method is its Eq. 4.",
     ] = 1.0  # fmt: skip
-    estimator: Annotated[Literal["inverse-distance", "kriging", "near-and-far", "automatic"], Option(),
+    estimator: Annotated[
+        Literal["inverse-distance", "kriging", "near-and-far", "automatic"], Option("automatic"),
         "Method that computes a radius from its neighbours. 'inverse-distance' is the published method; 'kriging' is "
         "ordinary kriging of the neighbours that the last estimate by inverse distance used, at its trial radius. "
         "Kriging weighs neighbours by how alike two radii are at their distance, so it averages out noise and follows "
@@ -90,10 +99,11 @@ class Settings(Declared, group="wall"):
         "term, and far on all sides (means of up to 32 samples where noise is large); a larger ``max_distance`` lets "
         "it use a shape that continues along the hole. "
         "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
-        "that are left out or, between arms, by the covariance. Where samples arrive later, a live configuration takes "
-        "it: its walls begin with inverse distance, and are fitted at 5, 10, 20 and 40 m. `Wall` must be given one of "
-        "the three.",
-    ] = "inverse-distance"  # fmt: skip
+        "that are left out or, between arms, by the covariance. In a live configuration its walls begin with inverse "
+        "distance, and are fitted at 5, 10, 20 and 40 m; `Wall` must be given one of the three. None: 'automatic' "
+        "where all samples are there; 'inverse-distance' where they come later, in a well that is made in blocks, and "
+        "where a setting is stated that 'automatic' would choose, such as ``neighbors`` or ``angular_scale``.",
+    ] = cast(Any, None)  # fmt: skip  # becomes one of them by `resolved`
     kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
         "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "
         "covariance is Wendland's C2 function); a range above half a turn counts as half a turn. None: "
@@ -155,3 +165,14 @@ class Settings(Declared, group="wall"):
         if self.neighbors is None:
             object.__setattr__(self, "neighbors", 16 if self.estimator in ("kriging", "near-and-far") else 8)
         super().__post_init__()
+
+    def resolved(self, *, later: bool = False) -> Settings:
+        """Return the settings with an estimator, which may be none yet.
+
+        It is `USUAL`, or inverse distance if one of `CHOSEN` is stated or samples may come ``later``.
+        """
+        if self.estimator is not None:
+            return self
+        default = Settings(bit_diameter=self.bit_diameter)
+        stated = later or any(getattr(self, name) != getattr(default, name) for name in CHOSEN)
+        return replace(self, estimator="inverse-distance" if stated else USUAL)

@@ -55,7 +55,7 @@ def tune(
         samples to tune: must be at least 100``.
     """
     refuse_table(caliper, "caliper")
-    settings = Settings(bit_diameter=bit_diameter, **fixed)
+    settings = Settings(bit_diameter=bit_diameter, **fixed).resolved(later=True)
     Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks the settings
     return tuning_with(
         in_depth_order(caliper), settings, dict(fixed), targets, thread_count(threads), seed, boxes=targets

@@ -12,6 +12,7 @@ import operator
 import pickle
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, SupportsIndex, Unpack
 
@@ -80,7 +81,7 @@ class Wall(WallReads):
     ) -> None:
         check_basis(basis)
         self._basis = basis
-        self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        self._settings = Settings(bit_diameter=bit_diameter, **settings).resolved(later=True)
         if self._settings.estimator == "automatic":
             rule = "must be another one where samples arrive later"
             raise InputError("estimator", rule, "'automatic'", "wall.estimator")
@@ -491,16 +492,15 @@ def wall_of(
     **settings: Unpack[WallSettings],
 ) -> Wall:
     """Return a wall made from the samples of ``caliper``; the parameters are those of `helibore.reconstruct`."""
-    if settings.get("estimator") == "automatic":
+    asked = Settings(bit_diameter=bit_diameter, **settings).resolved()
+    if asked.estimator == "automatic":
         from helibore.wall.automatic import choose
 
-        found = choose(caliper, Settings(bit_diameter=bit_diameter, **settings)).settings
-        return wall_of(caliper, path=path, threads=threads, **vars(found))
-    if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:
-        checked = Settings(bit_diameter=bit_diameter, **settings)
-        Wall(**vars(checked) | {"kriging_range": 1.0})  # the core checks the other settings
-        settings["kriging_range"] = find_kriging_range(in_depth_order(caliper), checked)
-    wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
+        asked = choose(caliper, asked).settings
+    if asked.estimator == "kriging" and asked.kriging_range is None:
+        Wall(**vars(asked) | {"kriging_range": 1.0})  # the core checks the other settings
+        asked = replace(asked, kriging_range=find_kriging_range(in_depth_order(caliper), asked))
+    wall = Wall(threads=threads, basis=caliper.basis, **vars(asked))
     wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time, arm=caliper.arm)
     wall.path = path
     return wall

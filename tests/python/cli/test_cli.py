@@ -427,12 +427,18 @@ def test_tune_builds_the_wall_with_the_settings_it_finds(folder: Path, tmp_path:
     assert again.read_bytes() == mesh.read_bytes()
 
 
-def test_reconstruct_first_prints_its_error_and_what_another_estimator_would_gain(folder: Path, tmp_path: Path) -> None:
-    result = run("reconstruct", folder / "caliper.csv", "-o", tmp_path / "wall.ply", "--bit-diameter", "216mm")
-    pattern = r"accuracy  inverse distance: expected error ([\d.]+) mm; with --estimator automatic ([\d.]+) mm, by"
-    first = re.match(pattern, result.output)
-    assert first
-    assert float(first[2]) < float(first[1])
+def test_reconstruct_takes_the_estimator_that_suits_the_samples(folder: Path, tmp_path: Path) -> None:
+    """Without an option; the settings beside the output repeat the wall, and inverse distance has its own by name."""
+    caliper, size = folder / "caliper.csv", ("--bit-diameter", "216mm")
+    result = real("reconstruct", caliper, "-o", tmp_path / "wall.ply", *size)
+    found = re.search(r"^estimator +(.*)$", result.stdout, re.MULTILINE)
+    assert found
+    assert "inverse distance" in found[1]
+    stated = (tmp_path / "wall.ply.toml").read_text()
+    assert re.search(r'^estimator = "(kriging|near-and-far)"', stated, re.MULTILINE)
+    again = run("reconstruct", tmp_path / "wall.ply.toml", "-o", tmp_path / "again.ply", "-q")
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "again.ply").read_bytes() == (tmp_path / "wall.ply").read_bytes()
 
 
 def test_tune_does_not_go_with_what_it_finds(folder: Path) -> None:

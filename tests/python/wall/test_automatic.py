@@ -10,6 +10,8 @@ import pytest
 from reference import Floats, exactly
 
 import helibore as hb
+from helibore.settings import wall_settings
+from helibore.settings.keywords import WallSettings
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import Covariance, Term, choose_blocks, fit_covariance, likely_covariances
 from helibore.wall.estimates import choose_left_out, in_depth_order
@@ -202,6 +204,19 @@ def test_a_live_wall_must_be_given_an_estimator() -> None:
     text = "estimator = 'automatic': must be another one where samples arrive later"
     with pytest.raises(hb.InputError, match=exactly(text)):
         hb.Wall(bit_diameter=BIT, estimator="automatic")
+    assert hb.Wall(bit_diameter=BIT).settings.estimator == "inverse-distance"
+
+
+def test_the_estimator_is_automatic_where_none_is_stated(monkeypatch: pytest.MonkeyPatch, wall: hb.Wall) -> None:
+    monkeypatch.setattr(wall_settings, "USUAL", "automatic")  # as for users; conftest.py has another one
+    assert hb.reconstruct(four_arms(), bit_diameter=BIT).settings == wall.settings
+
+
+@pytest.mark.parametrize("stated", [{"neighbors": 12}, {"angular_scale": 4.0}, {"window": 200}, {"power": 2.0}])
+def test_a_setting_of_inverse_distance_states_it(stated: WallSettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wall_settings, "USUAL", "automatic")
+    made = hb.reconstruct(four_arms(), bit_diameter=BIT, **stated)
+    assert made.settings == hb.Settings(bit_diameter=BIT, estimator="inverse-distance", **stated)
 
 
 def test_a_covariance_is_found_again_in_samples_drawn_from_it() -> None:
