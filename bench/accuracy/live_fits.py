@@ -2,10 +2,12 @@
 
     python -m bench.accuracy.live_fits [--class NAME ...] [--every N] [SEED]
 
-The cases are every Nth of those of `bench.accuracy.automatic`, in holes of 50 m. Samples come pass by pass, without arm
-numbers. For each length the whole hole is drawn with the settings found by the samples up to there: its rms error over
-that of inverse distance, over that of a fit of all of them, and over that of the batch, which has arm numbers, too.
-Then the processor time on one thread, of a fit and of drawing again what was drilled up to then, by estimator found.
+The cases are every Nth of those of `bench.accuracy.automatic`, in holes of 50 m. Samples come pass by pass, all arms
+together, without arm numbers. For each length the whole hole is drawn with the settings found by the samples up to
+there: its rms error over that of inverse distance, over that of a fit of all of them, and over that of the batch, which
+has arm numbers, too. And what is seen meanwhile: the hole drawn from the samples up to the next fit, over inverse
+distance. Then the processor time on one thread, of a fit and of drawing again what was drilled up to then, by estimator
+found.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from helibore.wall.automatic import choose
 
 WHOLE = 50.0
 AUTOMATIC = hb.Settings(bit_diameter=known_holes.BIT, estimator="automatic")
+SIMPLE = hb.Settings(bit_diameter=known_holes.BIT)
 Made = TypeVar("Made")
 
 
@@ -34,6 +37,16 @@ def timed(make: Callable[[], Made]) -> tuple[Made, float]:
     return made, time.process_time() - start
 
 
+def as_they_come(caliper: hb.Caliper) -> hb.Caliper:
+    """Return the samples pass by pass, each in order of depth; the cases have them arm by arm."""
+    if caliper.arm is None:
+        return caliper
+    number = np.cumsum((np.diff(caliper.arm, prepend=-1) != 0) & (caliper.arm == 0))
+    order = np.lexsort((caliper.arm, caliper.depth, number))
+    columns = (column[order] for column in (caliper.depth, caliper.toolface, caliper.radius))
+    return hb.Caliper(*columns, arm=np.asarray(caliper.arm)[order])
+
+
 def drawn(caliper: hb.Caliper, settings: hb.Settings) -> hb.Wall:
     """Return the wall of samples without arm numbers."""
     wall = hb.Wall(threads=1, **vars(settings))
@@ -42,18 +55,17 @@ def drawn(caliper: hb.Caliper, settings: hb.Settings) -> hb.Wall:
 
 
 def measured(case: automatic.Case) -> tuple[list[list[float]], list[list[float]], list[str]]:
-    """Return for each length the ratios to inverse distance, to a fit of all and to the batch, seconds, estimator."""
-    of = case.caliper
+    """Return for each length the ratios of errors, the seconds and the estimator."""
+    of = as_they_come(case.caliper)
 
     def error(wall: hb.Wall) -> float:
-        inside = (wall.depth > automatic.EDGE) & (wall.depth < WHOLE - automatic.EDGE)
+        inside = (wall.depth > automatic.EDGE) & (wall.depth < wall.depth[-1] - automatic.EDGE)
         off = wall.radius - case.truth(wall.depth, wall.toolface)
         return float(np.sqrt(np.nanmean(off[inside] ** 2)))
 
     simple = error(hb.reconstruct(of, bit_diameter=known_holes.BIT, threads=1))
     batch = error(hb.reconstruct(of, threads=1, **vars(choose(of, AUTOMATIC).settings)))
-    without = hb.Caliper(of.depth, of.toolface, of.radius)
-    of_all = error(drawn(without, choose(without, AUTOMATIC).settings))
+    of_all = error(drawn(of, choose(hb.Caliper(of.depth, of.toolface, of.radius), AUTOMATIC).settings))
     fits, ratios, seconds, names = LayerFits(AUTOMATIC), [], [], []
     ends: dict[float, int] = {}
     for start in range(of.depth.size):  # one sample at a time, as they come
@@ -62,12 +74,17 @@ def measured(case: automatic.Case) -> tuple[list[list[float]], list[list[float]]
         fits.count(depth)
         if length:
             ends[length] = start + 1
-    for length in LENGTHS:
-        first = hb.Caliper(*(column[: ends[length]] for column in (of.depth, of.toolface, of.radius)))
+
+    def up_to(row: int | None) -> hb.Caliper:
+        return hb.Caliper(*(column[:row] for column in (of.depth, of.toolface, of.radius)))
+
+    for length, after in zip(LENGTHS, (*LENGTHS[1:], None), strict=True):
+        first, meanwhile = up_to(ends[length]), up_to(ends[after] if after else None)
         choice, fitting = timed(lambda first=first: choose(first, AUTOMATIC))  # type: ignore[misc]
         _, drawing = timed(lambda first=first, choice=choice: drawn(first, choice.settings))  # type: ignore[misc]
         live = error(drawn(of, choice.settings))
-        ratios.append([live / simple, live / of_all, live / batch])
+        seen = error(drawn(meanwhile, choice.settings)) / error(drawn(meanwhile, SIMPLE))
+        ratios.append([live / simple, live / of_all, live / batch, seen])
         seconds.append([fitting, drawing])
         names.append(choice.settings.estimator)
     return ratios, seconds, names
@@ -93,10 +110,12 @@ def main() -> None:
             )
         means, worst = np.exp(np.log(found).mean(axis=0)), np.max(found, axis=0)
         for i, length in enumerate(LENGTHS):
-            cells = [f"{means[i, k]:.2f} (worst {worst[i, k]:.2f})" for k in range(3)]
+            cells = [f"{means[i, k]:.2f} (worst {worst[i, k]:.2f})" for k in range(4)]
             rows.append(f"| {name} | {len(found)} | {length:g} m | {' | '.join(cells)} |")
-    print("\n| class | cases | fitted to | over inverse distance | over a fit of all | over the batch |")
-    print("| --- | --- | --- | --- | --- | --- |")
+    print(
+        "\n| class | cases | fitted to | over inverse distance | over a fit of all | over the batch | until the next |"
+    )
+    print("| --- | --- | --- | --- | --- | --- | --- |")
     print("\n".join(rows))
     print("\n| estimator | fitted to | cases | fit, s | drawn again, s |\n| --- | --- | --- | --- | --- |")
     for estimator in sorted({of[0] for of in times}):
