@@ -373,6 +373,9 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         viewer.scene.update_state(zones=(), zones_to=1031.2)
         screen.until(f"{digits}.startsWith('none')")
         assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser, bit", "no heads over no rows"
+        viewer.scene.update_state(ahead=ahead | {"unseen": (((1030.0, 1036.0), None), ((1030.0, 1034.0), None))})
+        screen.settle()
+        assert screen.evaluate(digits).startswith("none"), "the wall has just got it"
         assert screen.inner_text("#rigBitHead") == "Bit depth, on bottom"
         sparse = (((1020.0, 1036.0), None), ((1020.0, 1036.0), None))
         viewer.scene.update_state(ahead=ahead | {"unseen": sparse})

@@ -5,12 +5,11 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, say } from './dom.js';
 import { ageOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { HOLDS, isPassed, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
 
-const ZONES_LATE = 2; // metres of wall whose zones may still be unknown
 const NEAR = 0.5; // metres from a zone to the place that an alarm about it names
 // Return on which side of the bit a tight place lies: a body above the bit may run into one that is above the bit, too.
 /** @param {FirstPlace} place @param {number | null} bit */
@@ -112,7 +111,7 @@ function writeWorst(app) {
     byId('rigWhereCell').className = '';
     const [unseen] = unseenAhead(app);
     const last = stale ? ['not known', NO_BIT] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
-    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > ZONES_LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
+    const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
     if (digits !== 'not known' || !unseen || stale) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', nextHead(unseen), ...distance(unseen.left, units), unseen.first);
@@ -125,7 +124,7 @@ function writeWorst(app) {
   const [digits, unit] = parts(size(worst));
   const isHere = sticks && stuck >= 0 && worst.start < sticks.stop && sticks.start < worst.stop;
   const bound = most ? '≤' : '';
-  const distant = stale || next === worst || isHere ? '' : `, in ${worst === sticks ? bound : ''}${showDepth(Math.max(0, worst.left), units, 1)}`;
+  const distant = stale || next === worst || isHere ? '' : worst.left <= NOW ? ', now' : `, in ${worst === sticks ? bound : ''}${showDepth(worst.left, units, 1)}`;
   const { sure, within, zone } = worst;
   const sureness = Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`;
   cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);

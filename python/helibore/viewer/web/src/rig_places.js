@@ -15,6 +15,7 @@ export const WAYS = ['up', 'down'];
 export const UNSEEN = 'unseen hole';
 export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
+export const LATE = 2; // metres of new wall that the server may not have searched yet
 const BY = 0.25; // metres from one turn that is looked at to the next
 const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
 export const HOLDS = ['undergauge', 'key seat']; // hole in which the string may stick
@@ -72,7 +73,7 @@ function unseenIn(app) {
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
-// not count, and while hole is drilled, that between sensor and bit.
+// not count and, while hole is drilled, that between sensor and bit and what the wall has just got.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
   const { ahead, string, bit, holeDepth } = app;
@@ -88,7 +89,7 @@ export function unseenAhead(app) {
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const [first, last] = app.store.span;
   const end = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED ? last : Infinity;
-  return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
+  return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
 // Return how far the bit moves until a body meets a stretch of hole, metres; NaN if it is past it.
