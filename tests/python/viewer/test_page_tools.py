@@ -259,7 +259,7 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     light = [inside[(far > r) & (far < r + 20)].mean() for r in (30, 60, 150)]
     assert light[0] < light[1] < light[2], "lit from the eye"
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert any(text.startswith("inside, down   high side up   tube") for text in labels)
+    assert any(text.startswith("inside, down   high side up   true to scale") for text in labels)
     assert any(text.startswith("10") and text.endswith(" m") for text in labels), "rings have their depths"
     up = screen.evaluate(
         "(() => { const { app } = window.__wall; const d = app.view.top + 2;"
@@ -320,6 +320,136 @@ def test_a_deep_groove_is_dark_from_inside_and_its_lip_is_not_paler_than_the_wal
         groove = light[round(below) : round(rim), round(x)]
         assert groove.min() < 0.5 * smooth
         assert groove.max() < 1.25 * smooth, "a wall that faces the lamp is at most so much lighter"
+        screen.close()
+
+
+def test_a_cleft_is_darker_from_inside_the_deeper_it_is(browser: Any) -> None:
+    """Of one colour everywhere; seen is the far side of the cleft, which faces the lamp."""
+    address = "#md=1002&sec=2&camera=down&quantity=over&range=-900_900&at=1001.5&tab=3d"
+    places = (
+        "(({ path, store, renderer: { gpu, rects: { wall } } }) => {"
+        " const at = (depth) => { const { centre, high } = path.at(depth);"
+        "  return gpu.project({ centre: centre.map((one, i) => one - store.bitRadius * high[i]) }, wall); };"
+        " const [x] = at(1001.5);"
+        " return [x - wall.left - 20, (at(1001.488)[1] + at(1001.512)[1]) / 2, at(1001.56)[1]]; })(window.__wall.app)"
+    )
+    light = []
+    for depth in (0.001, 0.006, 0.045):
+        wall = MadeWall(80_000, pitch=0.005)
+        wall.radius = BIT / 2 + np.where(np.abs(wall.depth - 1001.5) < 0.012, depth, 0.0)
+        with hb.view(wall, path=curved_path()) as viewer:
+            screen = Screen(browser, viewer.url, address, (1366, 768))
+            screen.settle()
+            pixels = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+            x, cleft, beside = (round(one) for one in screen.evaluate(places))
+            light.append(pixels[cleft, x] / pixels[beside, x])
+            screen.close()
+    assert light == sorted(light, reverse=True)
+    assert light[0] > 0.75
+    assert light[-1] < 0.45
+
+
+def test_inside_noise_is_no_relief(browser: Any) -> None:
+    """The same radii: what may be chance by their uncertainty is smooth, what is sure is seen."""
+    wall = MadeWall(80_000, pitch=0.005)
+    wall.radius = BIT / 2 + 3e-4 * np.sin(wall.depth * 200) * np.sin(np.radians(12 * wall.toolface))
+    with hb.view(wall, path=curved_path()) as viewer:
+        rough = []
+        for sigma in (5e-5, 2e-3):
+            viewer.scene.set_trust(np.zeros(len(wall), bool), np.full(len(wall), sigma))
+            screen = Screen(
+                browser, viewer.url, "#md=1002&sec=2&camera=down&quantity=over&range=-900_900&tab=3d", (1366, 768)
+            )
+            screen.settle()
+            light = screen.pixels("wall")[100:-100, :, :3].mean(axis=-1)
+            rough.append(np.abs(np.diff(light[:, 200:500], axis=1)).mean() / light[:, 200:500].mean())
+            screen.close()
+        assert rough[1] < 0.5 * rough[0]
+
+
+def test_inside_is_true_to_scale_with_depths_however_long_the_section_is(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1015&sec=30&camera=down&tube=10&tab=3d", (1366, 768))
+    screen.settle()
+    assert screen.evaluate("window.__wall.app.view.tubeFactor(window.__wall.app.store)") == 1
+    assert screen.is_hidden("#tube")
+    screen.until("document.getElementById('ink').labels.some(({ text }) => text === '1000.5 m')")  # by the hole's size
+    top = screen.evaluate("window.__wall.app.view.top")
+    screen.keyboard.press("ArrowUp")
+    assert screen.evaluate("window.__wall.app.view.top") - top == pytest.approx(1.5 * BIT / 2), "a step by it, too"
+    screen.evaluate("window.__wall.app.view.choose({ camera: 'outside' })")
+    assert screen.evaluate("window.__wall.app.view.tubeFactor(window.__wall.app.store)") == 10
+    screen.close()
+
+
+def test_picks_are_switched_off_where_curves_are_and_stay_so_in_the_address(browser: Any) -> None:
+    wall = MadeWall(60_000)
+    with hb.view(wall, path=curved_path()) as viewer:
+        pick = Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0, note="F1")
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1018&sec=10&camera=down&at=1018_40", (1366, 768), drawn=False)
+        named = "document.getElementById('ink').labels.filter(({ text }) => /^F1|fracture/.test(text)).length"
+        eye = "window.__wall.app.renderer.gpu.camera.position"
+        screen.until(f"{named} >= 3")
+        before = screen.evaluate(eye)
+        screen.select_option("#curve", label="✓ picks")
+        screen.until(f"{named} === 0")
+        assert screen.is_hidden("#netSection")
+        assert not screen.evaluate("'dips' in window.__wall.app.renderer.rects"), "no track of dips"
+        assert screen.evaluate(eye) == pytest.approx(before), "the eye stays before the fracture"
+        address = screen.address()
+        assert "picks=off" in address
+        again = Screen(browser, viewer.url, address, (1366, 768), drawn=False)
+        again.settle()
+        assert again.evaluate(named) == 0
+        again.keyboard.press("d")
+        again.until(f"{named} > 0")
+        again.close()
+        screen.select_option("#curve", label="picks")
+        screen.until(f"{named} >= 3")
+        assert "picks=" not in screen.address()
+        screen.close()
+
+
+def test_inside_the_line_of_a_pick_leaves_its_cleft_free(browser: Any) -> None:
+    wall = MadeWall(60_000)
+    with hb.view(wall, path=curved_path()) as viewer:
+        pick = Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0, note="F1")
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1018&sec=10&camera=down&at=1018&tab=3d", (1366, 768), drawn=False)
+        screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'F1')")
+        covered = screen.evaluate(
+            "(({ path, store, renderer: { gpu, rects: { wall } } }, slope) => {"
+            " const { centre, high, right, tangent } = path.at(1018);"
+            " const ink = document.getElementById('ink').getContext('2d');"
+            " const share = (r) => Array.from({ length: 120 }, (_, i) => (3 * i * Math.PI) / 180).filter((t) => {"
+            "  const [x, y] = [r * Math.cos(t), r * Math.sin(t)];"
+            "  const z = slope * (x * Math.cos(0.698) + y * Math.sin(0.698));"
+            "  const at = centre.map((one, j) => one + x * high[j] + y * right[j] + z * tangent[j]);"
+            "  const [left, top] = gpu.project({ centre: at }, wall);"
+            "  return ink.getImageData(left - 2, top - 2, 5, 5).data.some((one, j) => j % 4 === 3 && one > 120);"
+            " }).length / 120;"
+            " return [0.88, 1, 1.1].map((one) => share(one * store.bitRadius)); })"
+            f"(window.__wall.app, {np.tan(np.radians(40.0))})"
+        )
+        assert covered[0] > 0.5, "the line, dashed, a little before the wall"
+        assert max(covered[1:]) < 0.15, "depths and the mark of the cursor alone"
+        screen.close()
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1024, 640)])
+def test_the_legend_of_picks_begins_behind_the_colours_below_the_hole(browser: Any, size: tuple[int, int]) -> None:
+    wall = MadeWall(12_800)
+    name = "acoustic amplitude, normalised over the whole run"
+    with hb.view(wall, attributes={hb.Attribute(name, "m"): np.linspace(0, 0.01, 12_800)}) as viewer:
+        for kind in ("fracture", "bed"):
+            pick = Pick(kind=kind, depth=1010.0, toolface=40.0, apparent_dip=10.0)
+            viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1010&sec=6&camera=down&tab=3d", size, drawn=False)
+        screen.evaluate(f"window.__wall.app.selection.setQuantity('{name}')")
+        screen.settle()
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert {"bed", "fracture"} & set(texts), "as many as there is room for"
+        assert screen.touching("ink") == []
         screen.close()
 
 
@@ -406,7 +536,7 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
         flatter = "tube × 5: traces on it look flatter"
         for address, shown, wide in (
             ("#md=1007&sec=10&camera=outside&tube=5&at=1004_40", second, True),
-            ("#md=1007&sec=8&camera=down", "fracture at 1004.00 m", False),
+            ("#md=1007&sec=8&camera=down&ahead=0.8", "fracture at 1004.00 m", False),
         ):
             screen = Screen(browser, viewer.url, address, (1366, 768))
             screen.until(f"document.getElementById('ink').labels.some(({{ text }}) => text === '{shown}')")

@@ -183,7 +183,7 @@ function drawShoes(ink, look, gpu) {
     const at = ring.reduce((far, point) => (point && (!far || point[axis] > far[axis]) ? point : far), null);
     const text = `shoe ${one[0]}, ${sizeText(one[4], view.units)}`;
     ink.font = SMALL_BOLD;
-    if (axis && at && at[1] < rect.top + rect.height - 4 * LINE) label(ink, text, at[0], at[1] + LINE, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, align: 'center', yields: true });
+    if (axis && at && at[1] < rect.top + rect.height - 4 * LINE) label(ink, text, at[0], at[1] + LINE, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, align: 'center', near: [[0, 0], [0, LINE], [0, 2 * LINE]], yields: true });
     else if (!axis && at) label(ink, text, Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, LINE], [0, -LINE]], yields: true });
   }
 }

@@ -10,7 +10,6 @@ import { BOLD, HEAD, inside, label, PALETTES, SMALL, SMALL_BOLD, within, yOf } f
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
-const BAR_END = 440; // pixels from the left of the hole to the end of the colours below it
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
 const BELOW = 18; // points of a curve, 3 pixels apart, above which its angles stand
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
@@ -18,7 +17,7 @@ const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
 // Return the planes whose curve may be in view, each with its colour and a function that strokes a path as its line.
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @returns {{ plane: Plane, colour: string, stroke: () => void }[]} */
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @returns {{ plane: Plane, colour: string, stroke: (wide?: number) => void }[]} */
 export function linesOf(ink, { view }, { kept, current, selected, open }) {
   const palette = PALETTES[view.theme];
   return (current ? [...kept, current] : kept)
@@ -26,9 +25,9 @@ export function linesOf(ink, { view }, { kept, current, selected, open }) {
     .map((plane) => {
       const chosen = plane.pick && plane.pick === selected;
       const colour = plane === current || chosen ? palette.cursor : palette.picks[plane.kind];
-      return { plane, colour, stroke: () => {
+      return { plane, colour, stroke: (wide = 2) => {
         ink.setLineDash(open && plane === current ? [5, 4] : DASHES[plane.kind]);
-        outlined(ink, colour, palette, chosen ? 4 : 2);
+        outlined(ink, colour, palette, chosen ? 4 : wide);
         ink.setLineDash([]);
       } };
     });
@@ -60,10 +59,11 @@ export function drawDips(ink, look, planes, straight) {
 /** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
 export function drawLegend(ink, { view, path, growing, rects: { axis, image, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
-  const [from, end] = image.width ? [axis.left, pane.left] : [pane.left + BAR_END, pane.left + pane.width]; // beside the colours below the hole
+  const y = axis.top + axis.height + 10;
+  const colours = image.width ? [] : ink.canvas.labels.filter(({ top, bottom }) => top < y && bottom > y).map(({ right }) => right); // below the hole
+  const [from, end] = image.width ? [axis.left, pane.left] : [Math.max(pane.left, ...colours) + 14, pane.left + pane.width];
   const palette = PALETTES[view.theme];
   const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
-  const y = axis.top + axis.height + 10;
   let [x, words] = [from + 8, ''];
   ink.font = SMALL;
   const glows = growing && x + 120 < end ? GLOWS : [];

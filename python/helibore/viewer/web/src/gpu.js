@@ -225,7 +225,7 @@ export class Gpu {
         median: inside && view.median < 3 ? 0 : view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,
-        ...(inside ? { lamp: view.length, dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
+        ...(inside ? { dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
         number: index + 1,
         ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });

@@ -5,7 +5,7 @@ import { Orbit } from './camera.js';
 import { fitRange } from './color.js';
 import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
-import { fly, isInside, STEP, toggleFlight, turnHead, unhold } from './inside.js';
+import { fly, isInside, stepOf, toggleFlight, turnHead, unhold } from './inside.js';
 import { byId } from './dom.js';
 import { whenLate } from './late.js';
 import { onString } from './string.js';
@@ -166,7 +166,7 @@ function wheel(app, event) {
   const { view, store, renderer: { rects } } = app;
   const steps = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
   if (event.ctrlKey || event.metaKey) view.zoom(1.25 ** steps, depthAt(view, rects.image, placeOf(event)[1]), store);
-  else view.show(view.top + steps * view.length * (isInside(view) && event.currentTarget === byId('orbit') ? STEP : 0.1), view.length, store);
+  else view.show(view.top + steps * (isInside(view) && event.currentTarget === byId('orbit') ? stepOf(view, store) : 0.1 * view.length), view.length, store);
 }
 
 /** @param {App} app @param {Map<number, Pair>} pointers @param {number} id @param {Pair} now */

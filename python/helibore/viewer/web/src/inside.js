@@ -20,11 +20,10 @@ export function placeInside(camera, gpu, look) {
   camera.turn(...view.head);
   camera.aspect = wallRect.width / Math.max(1, wallRect.height);
   camera.tangent = Math.tan((WIDE * Math.PI) / 360) / Math.min(1, camera.aspect); // in a narrow pane, too, the ring of a plane is seen whole
-  const radius = store.bitRadius * view.tubeFactor(store);
-  Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
+  Object.assign(camera, { near: 0.02 * store.bitRadius, far: 2 * view.length + 20 * store.bitRadius });
 }
 
-const BEFORE = 2.3; // radii of the drawn hole from the eye to the nearest point of the held plane: it then fills 3/4 of the picture
+const BEFORE = 2.3; // radii of the hole from the eye to the nearest point of the held plane: it then fills 3/4 of the picture
 
 // Return the depth of the eye: before the held plane, or before the cursor, if it is held in the section, else at the end of the
 // section, or where the eye was when the cursor was held no longer.
@@ -35,9 +34,8 @@ export function eyeDepth({ view, store, held }) {
   /** @param {number} depth */
   const within = (depth) => Math.min(bottom, Math.max(top, depth));
   if (!pinned || !cursor || cursor.depth < top || cursor.depth > bottom) return within(endOf(view) + view.ahead);
-  const radius = store.bitRadius * view.tubeFactor(store);
   const depth = held ? held.depth + back * riseOf(held) : cursor.depth;
-  return within(depth + back * BEFORE * radius);
+  return within(depth + back * BEFORE * store.bitRadius);
 }
 
 // Return the end of the section that is behind the eye.
@@ -52,8 +50,12 @@ export function turnHead(head, dx, dy) {
   head[1] = within(head[1] + 0.004 * dy);
 }
 
-const SPEED = 0.2; // of the section in a second
-export const STEP = 0.025; // of the section, by a key or a notch of the wheel
+const SPEED = 8; // steps in a second
+const STEP = { section: 0.025, radii: 1.5 }; // by a key or a notch of the wheel: of the section, and at most so many radii of the hole
+
+// Return how far a step goes, in metres.
+/** @param {View} view @param {Store} store */
+export const stepOf = (view, store) => Math.min(STEP.section * view.length, STEP.radii * store.bitRadius);
 
 // Hold the cursor no longer, and keep the eye and the section where they are.
 /** @param {App} app @param {Cursor | null} cursor */
@@ -69,7 +71,7 @@ export function fly({ view, store, renderer }, steps) {
   const top = view.top + eyeDepth(renderer.look()) - endOf(view);
   view.ahead = 0;
   view.release();
-  view.show(top + (view.camera === 'up' ? -1 : 1) * STEP * steps * view.length, view.length, store);
+  view.show(top + (view.camera === 'up' ? -1 : 1) * steps * stepOf(view, store), view.length, store);
   return view.top !== top;
 }
 
@@ -85,7 +87,7 @@ export function toggleFlight(app, landed = () => {}) {
     const seconds = Math.min(0.25, (now - before) / 1000);
     before = now;
     if (!button.classList.contains('on')) return landed();
-    if (isInside(app.view) && (seconds === 0 || fly(app, (SPEED / STEP) * seconds))) return requestAnimationFrame(next);
+    if (isInside(app.view) && (seconds === 0 || fly(app, SPEED * seconds))) return requestAnimationFrame(next);
     toggleFlight(app);
     return landed();
   };

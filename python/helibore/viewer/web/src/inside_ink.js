@@ -1,5 +1,5 @@
 // The ink inside the hole: lines of planes and tops, rings at round depths, the letters of the hole's sides. What is nearer to the eye
-// is labelled first; what has no room for its label, or is too small on the picture, has none.
+// is labelled first, planes and tops before depths; what has no room for its label, or is too small on the picture, has none.
 
 import { BAR } from './color_bar.js';
 import { linesOf } from './dip_ink.js';
@@ -13,26 +13,29 @@ import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
 
 const FAINTEST = 14; // pixels: a smaller ring is not drawn
-const SMALLEST = 0.05; // of the pane: a smaller ring has no label, and a smaller ring of a top is not drawn
+const BELOW = 1.25; // half heights of a plane's line from its middle to its words, which then stand below the cleft
+const APART = 2.5; // radii of the hole between two rings, at least
+const SMALLEST = 0.03; // of the pane: a smaller ring has no label, and a smaller ring of a top is not drawn
 /** @type {Pair[]} */
 const UP_OR_DOWN = [14, -14, 28, -28, 42, -42].map((y) => [0, y]);
 
-/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes */
-export function drawInsideInk(ink, look, gpu, planes) {
+// `foot` is how high the words at the foot are.
+/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes @param {number} foot */
+export function drawInsideInk(ink, look, gpu, planes, foot) {
   const { view, path, store, rects: { wall: rect }, held } = look;
   const palette = PALETTES[view.theme];
-  const radius = store.bitRadius * view.tubeFactor(store);
+  const radius = store.bitRadius;
   const eye = eyeDepth(look);
-  const near = Math.max(0.9 * radius, 0.02 * view.length);
+  const near = 0.9 * radius;
   /** @param {number} depth @param {number} toolface @param {number} [out] */
   const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rect);
   /** @param {number} depth */
   const sizeOf = (depth) => (rect.height * radius) / (2 * gpu.camera.tangent * Math.abs(depth - eye)); // pixels of a ring's radius
-  /** @type {{ depth: number, away: number, write: () => void }[]} */
+  /** @type {{ away: number, isDepth: boolean, write: () => void }[]} */
   const texts = [];
   const smallest = SMALLEST * Math.min(rect.width, rect.height);
-  /** @param {number} depth @param {() => void} write */
-  const later = (depth, write) => sizeOf(depth) > smallest && texts.push({ depth, away: Math.abs(depth - eye), write });
+  /** @param {number} depth @param {() => void} write @param {boolean} [isDepth] */
+  const later = (depth, write, isDepth = false) => sizeOf(depth) > smallest && texts.push({ away: Math.abs(depth - eye), isDepth, write });
   const tops = topsOf(look, planes);
   const lines = linesOf(ink, look, planes).sort((one, other) => Math.abs(other.plane.depth - eye) - Math.abs(one.plane.depth - eye));
   const way = view.camera === 'down' ? 1 : -1;
@@ -52,7 +55,8 @@ export function drawInsideInk(ink, look, gpu, planes) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
       const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)} from ${northOf(path)}` : `${showAngle(plane.apparent, 0)} apparent dip`;
       const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
-      const low = Math.min(Math.max(...y) + 16, rect.height - 88 - 16 * words.length);
+      const middle = (Math.min(...y) + Math.max(...y)) / 2;
+      const low = Math.min(middle + BELOW * (Math.max(...y) - middle) + 16, rect.height - foot - 16 * words.length);
       words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour }));
     } else {
       const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
@@ -66,18 +70,20 @@ export function drawInsideInk(ink, look, gpu, planes) {
     const beside = at(top, (path.dial(top).up ?? 0) + 90, 0.96);
     if (beside) later(top, () => label(ink, name, Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], ...UP_OR_DOWN], margin: 4 }));
   }
-  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
+  const reach = (rect.height * radius) / (2 * gpu.camera.tangent * FAINTEST);
+  const [from, to] = [Math.max(view.top, eye - reach), Math.min(view.bottom, eye + reach)];
+  const { values, digits } = ticks(from, to, to - from, APART * radius, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   let lettered = false; // on the nearest ring that is seen whole
   for (const depth of ahead) {
     const top = at(depth, path.dial(depth).up ?? 0, 0.94);
     if (top && top[1] > HEAD + 8 && sizeOf(depth) > smallest) { // else its depth would be hidden
       ring(ink, (toolface) => at(depth, toolface), palette.paper);
-      later(depth, () => label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 }));
+      later(depth, () => label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 }), true);
     }
     lettered ||= letters(ink, look, depth, at, palette);
   }
-  for (const { write } of texts.sort((one, other) => one.away - other.away)) write();
+  for (const { write } of texts.sort((one, other) => Number(one.isDepth) - Number(other.isDepth) || one.away - other.away)) write();
   heldMark(ink, look, at, palette);
 }
 
@@ -123,7 +129,7 @@ function letters(ink, { view, path, rects }, depth, at, palette) {
   const { letters: names } = CUTS[view.cut];
   const { toolface, known } = leftEdge(path, view.cut, depth);
   const { left, width, height } = rects.wall;
-  const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.8)) : [];
+  const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.7)) : [];
   if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: HEAD + 12, height: height - HEAD - BAR - 24 }, ...place))) return false;
   places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true }));
   return true;

@@ -4,7 +4,6 @@
 // smoothly (quadratic B-splines over three by three vertices), so that neither facets nor bricks are seen.
 
 export const INSIDE_FRAGMENT = /* glsl */ `
-uniform float lamp;           // metres that the lamp reaches
 uniform vec2 steep;
 out vec4 colour;
 // Weights of three vertices for a place, in vertices from the middle one; and how they change along the way.
@@ -73,12 +72,15 @@ void main() {
   }
   vec3 flat1 = normalize(outwards), from = normalize(seen), bent = normal;
   if (near) {
-    vec2 slant = clamp(steep * shape / small * radii.xy * vec2(float(K) / 6.2832 / exaggerated(c), 1.0 / pitch), -1.5, 1.5);
+    vec2 slant = clamp(sure(steep * shape / small * radii.xy * vec2(float(K) / 6.2832 / exaggerated(c), 1.0 / pitch), texel(k).w, steep.x / small), -1.5, 1.5);
     bent = flat1 - slant.x * cross(axis, flat1) - slant.y * axis;
   }
   float relief = abs(dot(normalize(bent), from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
-  float far = 2.0 * length(seen) / lamp;
-  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + pow(16.0 * deep, 1.5)) * (1.08 / (1.0 + 1.4 * far * far));
+  float far = length(seen) / (14.0 * bitRadius); // the lamp lights some metres
+  float deep = wall > 0.0 ? max(0.0, c + radii.z - wall) : 0.0; // so far behind the wall around it
+  float cleft = pow(30.0 * shape * deep / bitRadius, 1.5); // of the light that enters a cleft little leaves it
+  if (mode != 5 && (texel(k).w & 0x800u) != 0u) cleft = min(cleft, 2.0); // the stripes of what is interpolated stay seen
+  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;

@@ -107,7 +107,7 @@ function set(id, value) {
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) set(id, String(view[id]));
-  byId('tube').hidden = view.camera === 'straight';
+  byId('tube').hidden = view.camera !== 'outside';
   byId('fit').hidden = view.camera !== 'outside';
   byId('whole').hidden = view.camera === 'straight';
   byId('whole').classList.toggle('on', view.tab === '3d');

@@ -10,6 +10,7 @@ const SIZE = { hole: 1.5, most: 3.2 }; // of a disc: wider than the hole where i
 const SAME = 0.2; // metres: a plane so near to a top is the top
 /** @type {Pair[]} */
 export const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
+const BEFORE = 0.88; // of the hole's radius
 const STEP = 5; // degrees between two points of an edge
 
 // Return how far from the axis of a hole of radius 1 the disc of a plane ends, in the direction of a toolface: the disc is round.
@@ -104,15 +105,17 @@ export function drawDiscs(ink, look, planes, gpu, tops) {
   };
 }
 
-// Draw the line of a plane on the wall; return its points on the picture, one every STEP degrees of toolface.
+// Draw the line of a plane from inside, thin and a little before the wall, so that the cleft that it marks is seen beside it. Return its
+// points on the picture, one every STEP degrees of toolface.
 /** @param {Ink} ink @param {Look} look @param {ReturnType<typeof linesOf>[0]} line @param {Gpu} gpu */
-export function drawLine(ink, { view, path, rects, store }, { plane, stroke }, gpu) {
+export function drawLine(ink, { view, path, rects }, { plane, stroke }, gpu) {
+  const radius = BEFORE * plane.radius;
   const points = Array.from({ length: 360 / STEP + 1 }, (_, i) => {
-    const at = { depth: planeDepth(path, plane, STEP * i), toolface: STEP * i, radius: plane.radius * view.tubeFactor(store) };
+    const at = { depth: planeDepth(path, { ...plane, radius }, STEP * i), toolface: STEP * i, radius };
     return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
   });
   ink.beginPath();
   points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
-  stroke();
+  stroke(1.2);
   return points;
 }

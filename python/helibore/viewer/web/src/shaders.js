@@ -147,6 +147,11 @@ int stepAlong() { return max(stride, 1) * K; }
 vec2 slopes(vec4 near, float R) {
   return shape * vec2(near.x < 0.0 || near.y < 0.0 ? 0.0 : (near.y - near.x) * float(K) / 12.566 / R, near.z < 0.0 || near.w < 0.0 ? 0.0 : (near.w - near.z) * float(K) / (2.0 * pitch * float(stepAlong())));
 }
+// Returns a slope as far as it is surer than the uncertainty of the radii makes it: half of one that is as steep as chance makes one of twenty.
+vec2 sure(vec2 slant, uint state, float steep) {
+  float chance = 0.0002 * exp2(float(state >> 12) / 2.0) * steep * shape / abs(pitch);
+  return slant * dot(slant, slant) / (dot(slant, slant) + chance * chance);
+}
 float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
 `;
 
@@ -156,7 +161,7 @@ uniform float tube;
 uniform vec2 steep; // how strongly slopes around and along the hole are shaded
 out vec2 grid;
 out vec3 seen, normal, outwards, axis; // as the camera sees them; outwards is the normal of a round, smooth hole
-out float depthHere, deep; // deep: how far a place lies behind the wall around it, in bit radii
+out float depthHere, wall; // wall: the radius around a place; 0: not known
 
 void main() {
   int row = gl_VertexID / (K + 1);
@@ -165,12 +170,12 @@ void main() {
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
   vec4 near = around(at, 1, stepAlong());
-  deep = 0.0;
+  wall = 0.0;
   if (median == 0 && r > 0.0) {
-    vec4 far = around(at, K / 24, K * max(stride, int(0.26 * bitRadius / abs(pitch))));
+    vec4 far = around(at, max(K / 12, 1), K * max(stride, int(0.5 * bitRadius / abs(pitch))));
     far = mix(far.yxwz, far, step(0.0, far));
     far = mix(vec4(r), far, step(0.0, far));
-    deep = shape / bitRadius * max(0.0, r - 0.5 * min(far.x + far.y, far.z + far.w));
+    wall = 0.5 * min(min(far.x, far.y) + min(far.z, far.w), min(far.x + far.y, far.z + far.w)); // mean of the two least: a cleft may pass through the others
     if (at > K && at < K * rows) r = 0.5 * r + 0.125 * dot(mix(vec4(r), near, step(0.0, near)), vec4(1.0)); // an edge is seen from near: round off its steps, but not where the next tile has to meet this one
   }
   float R = exaggerated(r);
@@ -181,7 +186,7 @@ void main() {
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
   vec3 out1 = cos(toolface) * high + sin(toolface) * right;
-  vec2 slant = clamp(slopes(near, R) * steep, -1.5, 1.5);
+  vec2 slant = clamp(sure(slopes(near, R) * steep, texel(at).w, max(steep.x, steep.y) / float(max(stride, 1))), -1.5, 1.5);
   mat3 turned = mat3(modelViewMatrix);
   outwards = turned * out1;
   axis = turned * cross(high, right);
@@ -205,7 +210,7 @@ int quad(float depth) {
 const QUAD = /* glsl */ `
 in vec2 grid;
 in vec3 seen, normal, outwards, axis;
-in float depthHere, deep;
+in float depthHere, wall;
 uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 ${CELL}`;
 

@@ -1,6 +1,7 @@
 // What the user looks at: the section, the cursor, the colours, the exaggerations. Every panel shows the same section and
 // cursor. A change redraws; only the tiles of a new section are requested. The address after # holds all of it.
 
+import { isInside } from './inside.js';
 import { CUTS } from './path.js';
 import { niceStep, tubeFor } from './lod.js';
 import { LENGTHS } from './units.js';
@@ -22,6 +23,7 @@ class Settings {
   units = /** @type {Units} */ ('mm');
   pass = /** @type {Pass} */ ('latest');
   theme = /** @type {Theme} */ ('light');
+  picks = /** @type {'on' | 'off'} */ ('on'); // whether they are drawn
   tube = 0; // 0: chosen from the section
   shape = 0; // 0: × 3 in the column, the true shape elsewhere
   median = 1;
@@ -35,7 +37,7 @@ class Settings {
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
-const CHOICES = /** @type {const} */ (['quantity', 'cut', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string', 'curtain']);
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'pass', 'picks', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string', 'curtain']);
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
@@ -257,7 +259,7 @@ export class View extends Settings {
 
   /** @param {Store} store */
   tubeFactor(store) {
-    return this.tube || tubeFor(this.length, store.bitRadius);
+    return isInside(this) ? 1 : this.tube || tubeFor(this.length, store.bitRadius); // from inside the hole is as it is
   }
 
   toAddress() {
@@ -309,6 +311,7 @@ export class View extends Settings {
       cut: among('cut', /** @type {Cut[]} */ (Object.keys(CUTS))),
       units: among('units', /** @type {Units[]} */ (Object.keys(LENGTHS))),
       pass: among('pass', ['latest', 'first', 'change']),
+      picks: among('picks', ['on', 'off']),
       theme: among('theme', ['light', 'dark']),
       tab: among('tab', ['log', '3d', 'section', 'zones']),
       camera: among('camera', /** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS))),

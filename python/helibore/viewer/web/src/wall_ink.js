@@ -30,7 +30,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
   const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
-  const words = [`tube × ${tube}${picked && tube > 1 ? ': traces on it look flatter' : ''}`, ...(picked && tube > 1 && view.camera === 'outside' ? ['discs of picks have their true dip'] : []), `shape × ${view.shape || 1} about the bit radius`];
+  const words = view.camera !== 'outside' && (view.shape || 1) === 1 ? ['true to scale'] : [`tube × ${tube}${picked && tube > 1 ? ': traces on it look flatter' : ''}`, ...(picked && tube > 1 && view.camera === 'outside' ? ['discs of picks have their true dip'] : []), `shape × ${view.shape || 1} about the bit radius`];
   if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
   if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path', ...offPlan(look));
   if (picked && !(view.camera === 'outside' && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
@@ -44,7 +44,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const wide = view.camera === 'outside' ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
   const at = labels.push(foot, { ...foot, left: rect.left + rect.width - wide, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
-  else drawInsideInk(ink, look, gpu, planes);
+  else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
   labels.splice(at, 2);
   if (path.surveyed) {
     if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms

@@ -273,3 +273,14 @@ test('a section that is longer than the wall allows keeps its middle', () => {
   view.show(1002 - 16, 32, /** @type {any} */ ({ span: [1000, 1004] }));
   assert.deepEqual([view.top, view.length], [992, 20]);
 });
+
+test('from inside, the hole is as wide as it is, whatever width was chosen; the picks are off by a word of the address', () => {
+  const view = new View(() => {});
+  Object.assign(view, { length: 30, tube: 5 });
+  for (const [camera, tube] of [['outside', 5], ['down', 1], ['up', 1]]) assert.equal(Object.assign(view, { camera }).tubeFactor({ bitRadius: 0.108 }), tube);
+  view.fromAddress('#picks=off');
+  assert.equal(view.picks, 'off');
+  assert.match(view.toAddress(), /picks=off/);
+  view.fromAddress('#picks=none');
+  assert.equal(view.picks, 'off', 'another word changes nothing');
+});
