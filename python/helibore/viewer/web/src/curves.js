@@ -10,7 +10,7 @@ import { save } from './saving.js';
 import { edges, line, sharp } from './strokes.js';
 import { LENGTHS, showValue } from './units.js';
 
-const SAVE = '\n'; // no curve has this name
+const [PICKS, SAVE] = ['\t', '\n']; // no curve has such a name
 const OF_ARMS = ['DMIN', 'C1', 'C2', 'C1TF'];
 const AGAIN = 5000; // milliseconds between two requests for a curve that grows
 const GAP = 10; // usual steps of depth; a curve has a gap where its rows are farther apart
@@ -112,10 +112,10 @@ export class Curves {
     const { view, store } = this.app;
     /** @type {Choice[]} */
     const offered = [...(store?.columns ?? []), ...this.offered.map(({ name }) => name)].map((name) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]);
-    options('curve', [['', 'Curves'], ...offered, [SAVE, 'template …']]);
+    options('curve', [['', 'Curves'], ...offered, [PICKS, `${view.picks === 'on' ? '✓ ' : ''}picks`], [SAVE, 'template …']]);
   }
 
-  // Show or hide a curve.
+  // Show or hide a curve, or the picks.
   /** @param {string} name */
   choose(name) {
     const { view } = this.app;
@@ -123,7 +123,8 @@ export class Curves {
       whenLate(this.app, ({ toTemplate }) => save(new Blob([toTemplate(this.app)], { type: 'application/toml' }), 'helibore-template.toml'));
       return this.list();
     }
-    view.toggleCurve(name);
+    if (name === PICKS) view.choose({ picks: view.picks === 'on' ? 'off' : 'on' });
+    else view.toggleCurve(name);
     return this.list();
   }
 

@@ -162,12 +162,17 @@ export class Picking {
     return this.kept.find(({ key }) => key === this.selected) ?? null;
   }
 
+  // The picks that are drawn: all, or none where they are switched off.
+  get drawn() {
+    return this.on || this.app.view.picks === 'on' ? this.kept : [];
+  }
+
   get boxes() {
-    return this.kept.filter((pick) => pick.kind === BREAKOUT);
+    return this.drawn.filter((pick) => pick.kind === BREAKOUT);
   }
 
   get shown() {
-    return this.on || this.kept.some(({ kind }) => kind !== BREAKOUT);
+    return this.on || this.drawn.some(({ kind }) => kind !== BREAKOUT);
   }
 
   toggle(on = !this.on) {
@@ -524,18 +529,22 @@ export class Picking {
     return this.app.notice(`${counted(added.length)} added, ${replaced.length} replaced, ${unchanged} unchanged`, 10);
   }
 
+  planesOfAll(picks = this.kept) {
+    return picks.filter((pick) => pick.kind !== BREAKOUT).map((pick) => this.plane(pick));
+  }
+
   // Return the planes and boxes to draw: those of kept picks, and the plane being picked; `open`: the cursor is one of its points.
   /** @returns {Planes} */
   planes() {
     const { app, kind } = this;
     const selected = this.pick;
-    const ordered = this.kept.filter((pick) => pick.kind !== BREAKOUT).sort((a, b) => Number(a === selected) - Number(b === selected));
-    const kept = ordered.map((pick) => this.plane(pick)); // the selected pick last, above the other picks
-    if (!this.on || selected || kind === BREAKOUT) return { kept, boxes: this.boxes, selected, current: null, open: false };
+    const { boxes } = this;
+    const kept = this.planesOfAll(this.drawn).sort((a, b) => Number(a.pick === selected) - Number(b.pick === selected)); // the selected pick last, above the other picks
+    if (!this.on || selected || kind === BREAKOUT) return { kept, boxes, selected, current: null, open: false };
     const { cursor } = app.view;
     const more = this.points.length && cursor && cursor.toolface !== null ? [this.point(/** @type {Aim} */ (cursor))] : [];
     const done = fitPlane(app.path, this.points, kind);
-    return { kept, boxes: this.boxes, selected, current: done ?? fitPlane(app.path, [...this.points, ...more], kind), open: !done };
+    return { kept, boxes, selected, current: done ?? fitPlane(app.path, [...this.points, ...more], kind), open: !done };
   }
 
   // Write the card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.

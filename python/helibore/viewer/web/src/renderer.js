@@ -135,7 +135,7 @@ export class Renderer {
       notes: app.notes.kept,
       intervals: store.intervals,
       zones: (view.rig && late(app)?.zonesInRig(app)) || app.zones,
-      held: view.pinned ? heldPlane(app.picking.planes().kept, view) : undefined,
+      held: view.pinned ? heldPlane(app.picking.planesOfAll(), view) : undefined,
       growing: app.growing,
       arms: app.curves.arms,
       string: hung(app),
@@ -221,14 +221,14 @@ export class Renderer {
     more?.drawColumns(ink, look);
     drawOutside(ink, look);
     if (look.curtain && gpu) late(app)?.drawCurtain(ink, look, look.curtain);
-    this.map.draw(ink, look, picking.kept);
+    this.map.draw(ink, look, picking.drawn);
     const planes = picking.planes();
     drawDips(ink, look, planes, straight);
     drawTops(ink, look);
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) late(app)?.drawPoints(ink, one, picking.points);
     picking.write(planes);
-    byId('netSection').hidden = !picking.kept.length;
+    byId('netSection').hidden = !picking.drawn.length;
     if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
     drawCursor(ink, look);
     if (rects.dips) tadpoles(ink, look, rects.dips, planes); // above the line of the cursor
