@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from command import run
+from patience import wait
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
@@ -113,6 +114,36 @@ def test_options_of_one_well_are_refused(tmp_path: Any, option: list[str]) -> No
 
 class TestPage:
     pytestmark = NEEDS_BROWSER
+
+    def test_a_click_on_a_well_side_by_side_opens_its_page_to_pick_there(self, browser: Any, wells: Any) -> None:
+        viewer, _ = wells
+        screen = Screen(browser, viewer.url, "#mode=section", drawn=False)
+        x, y = screen.evaluate(
+            "(({ left, top }, { columns: [, { rects: { image } }] }) =>"
+            " [left + image.left + image.width / 2, top + image.top + image.height / 2])"
+            "(document.getElementById('stage').getBoundingClientRect(), window.__wall.wells.section)"
+        )
+        with screen.page.expect_popup() as opened:
+            screen.mouse.click(x, y)
+        page = opened.value
+        picks = "Boolean(window.__wall?.ready && window.__wall.app.picking.on)"
+        wait(lambda: page.evaluate(picks), lambda: "the page picks", pause=0.05)
+        assert page.evaluate("document.getElementById('well').title") == "B-2"
+        assert page.evaluate("Math.abs(window.__wall.app.view.middle - 1008) < 2"), "at the depth of the click"
+        page.keyboard.press("d")
+        assert not page.evaluate("window.__wall.app.picking.on")
+        screen.mouse.click(x, y + 40)
+        wait(lambda: page.evaluate(picks), lambda: "the page picks again", pause=0.05)
+        assert len(screen.page.context.pages) >= 2
+        pick = {"key": "f1", "kind": "fracture", "depth": 1008.0, "toolface": 30.0, "apparent_dip": 40.0}
+        page.evaluate("(pick) => window.__wall.app.picking.change([{ key: pick.key, pick }])", pick)
+        screen.until("window.__wall.wells.wells[1].planes.length === 1")
+        page.evaluate("window.__wall.app.picking.change([{ key: 'f1', pick: null }])")
+        screen.until("window.__wall.wells.wells[1].planes.length === 0")
+        page.close()
+        links = screen.page.locator("#wells a", has_text="pick dips")
+        assert [one.get_attribute("href").endswith("&picking=1") for one in links.all()] == [True] * 3
+        screen.close()
 
     def test_wells_stand_where_their_paths_are(self, browser: Any, wells: Any) -> None:
         viewer, walls = wells

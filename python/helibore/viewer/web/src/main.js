@@ -198,6 +198,7 @@ export class App {
     this.view.tab = tab;
     if (this.view.follow) this.follow();
     this.ask();
+    this.pickIfAsked();
     this.repaint();
   }
 
@@ -351,8 +352,15 @@ export class App {
   readdress() {
     if (location.hash === toAddress(this) || !this.store) return;
     Object.assign(this.selection.quantity, fromAddress(this, location.hash));
+    this.curves.list();
+    this.pickIfAsked();
     this.renderer.fitted = false;
     this.repaint();
+  }
+
+  // The page of several wells opens a well's page to pick on it.
+  pickIfAsked() {
+    if (/\bpicking=1/.test(location.hash)) this.picking.toggle(true);
   }
 }
 

@@ -216,14 +216,15 @@ export class Wells {
   /** @param {Well} well */
   wellRow(well) {
     const row = document.createElement('div');
-    const [seen, name, link] = [document.createElement('input'), document.createElement('button'), document.createElement('a')];
+    const [seen, name, link, pick] = [document.createElement('input'), document.createElement('button'), ...['open', 'pick dips'].map((text) => Object.assign(document.createElement('a'), { textContent: text, target: well.name }))];
     Object.assign(seen, { type: 'checkbox', checked: !well.hidden, title: `Show ${well.name}`, onchange: () => {
       well.hidden = !seen.checked;
       this.changed();
     } });
     Object.assign(name, { textContent: well.name, title: 'Look at this well', onclick: () => this.show(well) });
-    Object.assign(link, { textContent: 'open', href: this.addressOf(well), target: '_blank', rel: 'noopener', title: `The page of ${well.name}: image, picks, print` });
-    row.append(seen, name, link);
+    Object.assign(link, { href: this.addressOf(well), title: `The page of ${well.name}: image, picks, print` });
+    Object.assign(pick, { href: `${this.addressOf(well)}&picking=1`, title: `Pick beds and fractures on the page of ${well.name}; they show here at once` });
+    row.append(seen, name, link, pick);
     return row;
   }
 
@@ -291,11 +292,13 @@ export class Wells {
     ink.addEventListener('pointerup', (event) => {
       const [x, y] = at(event);
       const found = pressed && event.button === 0 && Math.hypot(x - pressed[0], y - pressed[1]) < 5 ? this.found(x, y) : null;
-      if (found && this.mode === 'scene') this.show(found.well, found.depth);
+      if (!found) return;
+      if (this.mode === 'scene') this.show(found.well, found.depth);
+      else window.open(`${this.addressOf(found.well, found.depth)}&picking=1`, found.well.name);
     });
     ink.addEventListener('dblclick', (event) => {
-      const found = this.found(...at(event));
-      if (found) window.open(this.addressOf(found.well, found.depth), '_blank', 'noopener');
+      const found = this.mode === 'scene' ? this.found(...at(event)) : null;
+      if (found) window.open(this.addressOf(found.well, found.depth), found.well.name);
     });
     ink.addEventListener('wheel', (event) => {
       if (this.mode === 'scene') return;
