@@ -249,9 +249,7 @@ def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
     assert {"U", "D"} <= set(texts)
     assert [one["text"] for one in labels if one["right"] > right] == []
     assert on_controls(screen, labels) == []
-    said = (
-        ["shape × 3", "median 5"] if camera == "straight" else ["inside, down", "about the bit radius", "median of 5"]
-    )
+    said = ["shape × 3", "median 5"] if camera == "straight" else ["inside, down", "true to scale", "median of 5"]
     assert all(any(part in text for text in texts) for part in said), texts
     screen.close()
 
