@@ -352,7 +352,7 @@ def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewe
 
 
 def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1030&sec=24&camera=outside", drawn=False)
+    screen = Screen(browser, viewer.url, "#md=1030&sec=24&camera=outside", (1366, 768), drawn=False)
     screen.settle()
     screen.point_at(0.4, 0.4)
     before = screen.stats()["pictures"]

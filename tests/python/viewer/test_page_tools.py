@@ -530,7 +530,7 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
     with hb.view(wall, path=path) as viewer:
         viewer.scene.intervals = wall.intervals
         for depth, dip in ((1006.0, 20.0), (1004.0, 40.0), *((1008 + 0.05 * i, 10.0) for i in range(20))):
-            pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=dip)
+            pick = Pick(kind="bed" if depth == 1006.0 else "fracture", depth=depth, toolface=40.0, apparent_dip=dip)
             viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
         first, second = ("{:.0f} / {:03.0f}".format(*pick.dip(path)) for pick in list(viewer.scene.picks)[:2])
         flatter = "tube × 5: traces on it look flatter"
@@ -566,11 +566,72 @@ def test_every_top_beside_the_path_has_its_name_in_rows_where_they_are_close(bro
         screen.settle()
         wall_left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
         labels = [one["text"] for one in screen.evaluate("ink.labels") if one["left"] > wall_left]
-        assert {"Draupne", "Heather", "Sleipner"} <= set(labels)
+        assert {f"{name}   no dip" for name in ("Draupne", "Heather", "Sleipner")} <= set(labels)
         assert any(text.startswith("Hugin") for text in labels)
         assert any("F1 open " in text for text in labels), "the name of the pick"
         assert screen.touching("ink") == []
         screen.close()
+
+
+# The labels of the path view, as on a slide if asked, the axis and both edges of the hole in it, and its place.
+DRAWN_ON_PATH = """((slide) => {
+  const { app: { path, view, store, renderer } } = window.__wall;
+  const ink = document.getElementById('ink');
+  if (slide) ink.slide = {};
+  renderer.drawInk(renderer.look());
+  delete ink.slide;
+  const radius = store.bitRadius * view.tubeFactor(store);
+  const { rects: { wall }, gpu } = renderer;
+  const hole = Array.from({ length: 41 }, (_, i) => path.at(view.top + (view.length * i) / 40))
+    .flatMap((frame) => [-1, 0, 1].map((side) => gpu.project(frame, wall, gpu.aside(frame, side * radius))));
+  return [ink.labels, hole, wall];
+})(%s)"""
+
+
+def test_the_planned_path_has_its_distance_at_every_depth_and_no_words_stand_on_the_hole(browser: Any) -> None:
+    path = hb.Survey([970.0, 1100.0], [40.0, 40.0], [70.0, 70.0], north="grid").path(extend=100.0)
+    plan = hb.Survey([970.0, 1100.0], [38.0, 38.0], [70.0, 70.0], north="grid").path(extend=100.0)
+    wall = MadeWall(20_000)
+    wall.intervals = (hb.Interval("Draupne", 1003.0, 1012.0),)
+    with hb.view(wall, path=path, plan=plan) as viewer:
+        viewer.scene.intervals = wall.intervals
+        for size in ((1366, 768), (1920, 1080)):
+            screen = Screen(browser, viewer.url, "#md=1008&sec=20&camera=outside", size, drawn=False)
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text.endsWith(' off'))")
+            screen.settle()
+            for slide in ("false", "true"):
+                labels, hole, pane = screen.evaluate(DRAWN_ON_PATH % slide)
+                off = {one["top"]: one["text"] for one in labels if re.fullmatch(r"[0-9.]+ m off", one["text"])}
+                assert len(off) >= 2, "a number at every depth that is written"
+                for depth in (one for one in labels if re.fullmatch(r"10[0-9.]+ m", one["text"])):
+                    beside = [text for top, text in off.items() if abs(top - depth["top"]) < 3]
+                    if not beside or depth["left"] < pane["left"]:
+                        continue
+                    at = path.position([float(depth["text"].split()[0])])[0]
+                    away = np.linalg.norm(plan.position(np.arange(970.0, 1100.0, 0.01)) - at, axis=1).min()
+                    assert float(beside[0].split()[0]) == pytest.approx(away, abs=0.06)
+                words = [one for one in labels if "tube ×" in one["text"] or "planned path" in one["text"]]
+                assert len(words) >= 1
+                for one in words:
+                    assert not [
+                        p for p in hole if one["left"] < p[0] < one["right"] and one["top"] < p[1] < one["bottom"]
+                    ]
+                    assert (one["bottom"] < 80) == (slide == "true"), "the head of a slide has no controls"
+            screen.close()
+
+
+def test_a_full_view_in_perspective_has_no_axis_of_depth_beside_it(browser: Any, viewer: Any) -> None:
+    """No height of the picture is one depth: the map of the well stands there; the depths stand along the hole."""
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12&camera=outside&tab=3d", (1366, 768), drawn=False)
+    screen.settle()
+    rects, labels = screen.evaluate("[window.__wall.app.renderer.rects, document.getElementById('ink').labels]")
+    assert rects["axis"]["width"] == 0
+    assert rects["map"]["width"] > 0
+    depths = [one for one in labels if re.fullmatch(r"10[0-9.]+", one["text"])]
+    ends = rects["map"]["top"], rects["map"]["top"] + rects["map"]["height"]
+    assert [one for one in depths if one["left"] < rects["map"]["left"] + 60 and ends[0] < one["top"] < ends[1]] == []
+    assert len([one for one in labels if re.fullmatch(r"10[0-9.]+ m", one["text"])]) >= 3
+    screen.close()
 
 
 def test_the_map_of_a_short_well_ends_at_tenths_of_a_metre(browser: Any) -> None:

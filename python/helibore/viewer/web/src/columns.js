@@ -19,6 +19,12 @@ const ends = ([, start, stop]) => [start, stop ?? Infinity];
 /** @type {(of: NamedInterval, top: number, bottom: number) => boolean} */
 const reaches = (of, top, bottom) => ends(of)[0] < bottom && ends(of)[1] > top;
 
+// Return the casings that reach into the measured hole.
+/** @param {Store} store */
+export const casingsIn = ({ placed, span: [top, bottom] }) => placed.filter((one) => one[4] && reaches(one, top, bottom));
+/** @param {NamedInterval} of @param {Units} units */
+export const shoeInWords = ([name, , , , diameter = 0], units) => `shoe ${name}, ${sizeText(diameter, units)}`;
+
 /** @type {Map<string, string[]>} */
 const wrapped = new Map();
 
@@ -120,7 +126,7 @@ function casings(ink, { view }, rect, pipes, palette) {
 
 // Draw both walls of a pipe and its shoe between two heights.
 /** @param {Ink} ink @param {NamedInterval} of @param {number} middle @param {number} half @param {(depth: number) => number} y @param {number[]} room @param {Palette} palette */
-function pipe(ink, of, middle, half, y, [top, bottom], palette) {
+export function pipe(ink, of, middle, half, y, [top, bottom], palette) {
   const [start, stop] = ends(of);
   const [a, b] = [Math.max(top, y(start)), Math.min(bottom, y(stop))];
   if (b <= a) return;
@@ -181,10 +187,10 @@ function drawShoes(ink, look, gpu) {
     stroke(ink, ring, palette.ink, 3);
     const axis = view.camera === 'outside' ? 0 : 1; // the name stands at the right of the ring or, from inside, below it
     const at = ring.reduce((far, point) => (point && (!far || point[axis] > far[axis]) ? point : far), null);
-    const text = `shoe ${one[0]}, ${sizeText(one[4], view.units)}`;
+    const text = shoeInWords(one, view.units);
     ink.font = SMALL_BOLD;
     if (axis && at && at[1] < rect.top + rect.height - 4 * LINE) label(ink, text, at[0], at[1] + LINE, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, align: 'center', near: [[0, 0], [0, LINE], [0, 2 * LINE]], yields: true });
-    else if (!axis && at) label(ink, text, Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, LINE], [0, -LINE]], yields: true });
+    else if (!axis && at) label(ink, text, Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [0, 1, -1, 2, -2].map((row) => [0, LINE * row]), yields: true });
   }
 }
 

@@ -115,7 +115,7 @@ function curve(ink, { view, path, rects }, plane, stroke) {
 
 // Stroke a path so that it is seen on any colour.
 /** @param {Ink} ink @param {string} colour @param {Palette} palette @param {number} [wide] */
-function outlined(ink, colour, palette, wide = 2) {
+export function outlined(ink, colour, palette, wide = 2) {
   ink.lineWidth = wide + 2;
   ink.strokeStyle = palette.paper;
   ink.stroke();

@@ -49,6 +49,17 @@ export function planeOf(path, pick, bitRadius) {
   return { ...plane, ...attitude(plane, path.surveyed), apparent, deepest };
 }
 
+const LEVEL = Math.cos(80 / DEG); // a hole that is less than this steep runs along a level bed rather than through it
+
+// Return the level plane through a depth of the hole, for a top whose dip is not known; null where the hole is nearly level itself.
+/** @param {Path} path @param {number} depth @param {number} bitRadius @returns {Plane | null} */
+export function levelPlane(path, depth, bitRadius) {
+  const { high, right, tangent: [, , down] } = path.at(depth);
+  if (Math.abs(down) < LEVEL) return null;
+  const [a, b] = [-high[2] / down, -right[2] / down];
+  return planeOf(path, { key: '', kind: 'bed', depth, apparent_dip: Math.atan(Math.hypot(a, b)) * DEG, toolface: wrap360(Math.atan2(b, a) * DEG) }, bitRadius);
+}
+
 /** @param {Pick<Plane, 'a' | 'b' | 'frame'>} of @param {boolean} surveyed */
 function attitude({ a, b, frame }, surveyed) {
   if (!surveyed) return { dip: NaN, azimuth: NaN };

@@ -29,7 +29,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const slim = tab !== null && width < PHONE;
   const widths = rig ? { map: 0, axis: 66, image: Math.round(width * 0.36), caliper: 0 }
-    : tab === '3d' ? { map: 0, axis: width < PHONE ? 66 : 72, image: 0, caliper: 0 }
+    : tab === '3d' ? { ...(outside ? { map: width < PHONE ? 38 : 52, axis: 0 } : { map: 0, axis: width < PHONE ? 66 : 72 }), image: 0, caliper: 0 } // no axis stands beside what is seen in perspective
       : slim ? phone(width, measured, dips) : desk(width, { dips, measured, beside, curves, columns });
   /** @type {Rects} */
   const rects = {};

@@ -1,108 +1,165 @@
-// Planes that were picked, in 3-D. From outside each is a disc in its true attitude, however wide the hole is drawn; what the hole
-// hides of it is left out. From inside it is its line on the wall, so that nothing is veiled.
+// Planes in 3-D: those that were picked, and the tops of intervals. From outside each is a disc; what the hole hides of it is left out.
+// Its edge has the true dip however wide the hole is drawn, and it meets the hole at its trace, where the wall shows the plane. A top
+// that was picked is the disc of its pick; one without a dip is a dashed level ring. From inside a plane is its line on the wall, so
+// that nothing is veiled.
 
-import { linesOf } from './dip_ink.js';
-import { anglesOf, planeDepth, wallPoint } from './dips.js';
+import { linesOf, outlined } from './dip_ink.js';
+import { anglesOf, levelPlane, planeDepth, wallPoint } from './dips.js';
 import { BOLD, label, PALETTES } from './layout.js';
+import { line } from './strokes.js';
 import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vectors.js';
 
-const SIZE = { hole: 1.5, most: 3.2 }; // of a disc: wider than the hole where it cuts it, in radii of the drawn hole
-const SAME = 0.2; // metres: a plane so near to a top is the top
+const SIZE = { least: 1.5, most: 3.2 }; // of a disc: wider than the hole where it cuts it, in radii of the drawn hole
+const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
-export const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
+const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
 const BEFORE = 0.88; // of the hole's radius
 const STEP = 5; // degrees between two points of an edge
+const NO_DIP = [3, 3]; // dashes of a level ring
 
 // Return how far from the axis of a hole of radius 1 the disc of a plane ends, in the direction of a toolface: the disc is round.
-/** @param {Plane} plane @param {number} toolface */
-function reach({ a, b }, toolface) {
+/** @param {Plane} plane @param {number} toolface @param {number} least */
+function reach({ a, b }, toolface, least) {
   const [c, s] = [Math.cos((toolface * Math.PI) / 180), Math.sin((toolface * Math.PI) / 180)];
-  return Math.min(SIZE.most, SIZE.hole * Math.hypot(1, a, b)) / Math.hypot(1, a * c + b * s);
+  return Math.min(SIZE.most, least * Math.hypot(1, a, b)) / Math.hypot(1, a * c + b * s);
 }
 
-// Return north, east and down of the edge of a disc around a hole of so many metres radius, between two toolfaces, or of the line
-// where the plane cuts the hole.
-/** @param {Plane} plane @param {number} radius @param {boolean} cut @param {[number, number]} [ends] */
-export function edgeOf(plane, radius, cut, [from, to] = [0, 360]) {
+// Return north, east and down of the edge of a disc around a hole that is drawn with so many metres radius, and of its trace there,
+// between two toolfaces. Where the hole is wider than the disc (not `wide`), the disc has no edge outside it.
+/** @param {Plane} plane @param {number} radius @param {number[]} [ends] @param {number} [least] radii of the drawn hole */
+export function discOf(plane, radius, [from, to] = [0, 360], least = SIZE.least) {
   const { a, b, c, frame: { centre, high, right, tangent } } = plane;
   return Array.from({ length: Math.round((to - from) / STEP) + 1 }, (_, i) => {
     const toolface = from + STEP * i;
-    const far = radius * (cut ? 1 : Math.max(1, reach(plane, toolface)));
-    const [x, y] = [far * Math.cos((toolface * Math.PI) / 180), far * Math.sin((toolface * Math.PI) / 180)];
-    return centre.map((at, j) => at + x * high[j] + y * right[j] + (c + a * x + b * y) * tangent[j]);
+    const [x, y] = [Math.cos((toolface * Math.PI) / 180), Math.sin((toolface * Math.PI) / 180)];
+    /** @param {number} far @param {number} rise */
+    const at = (far, rise) => centre.map((place, j) => place + far * (x * high[j] + y * right[j]) + (c + rise * (a * x + b * y)) * tangent[j]);
+    const far = reach(plane, toolface, least);
+    return { edge: at(far * radius, far * radius), trace: at(radius, plane.radius), wide: far > 1 };
   });
+}
+
+// Return the nearest bed that was picked within SAME of the top of an interval.
+/** @param {Plane[]} kept @param {number} start */
+function bedAt(kept, start) {
+  const away = (/** @type {Plane} */ { depth }) => Math.abs(depth - start);
+  return kept.filter((plane) => plane.kind === 'bed' && away(plane) <= SAME).sort((one, other) => away(one) - away(other))[0];
 }
 
 // Return the planes that are tops of intervals, with the names of these.
 /** @param {Look} look @param {Planes} planes @returns {Map<Plane, string>} */
-export function topsOf({ intervals }, { kept }) {
-  /** @type {Map<Plane, string>} */
-  const tops = new Map();
-  for (const [name, start] of intervals) {
-    const [nearest] = kept.filter(({ depth }) => Math.abs(depth - start) <= SAME).sort((one, other) => Math.abs(one.depth - start) - Math.abs(other.depth - start));
-    if (nearest) tops.set(nearest, name);
-  }
-  return tops;
-}
+export const topsOf = ({ intervals }, { kept }) => new Map(intervals.flatMap(([name, start]) => {
+  const picked = bedAt(kept, start);
+  return picked ? [[picked, name]] : [];
+}));
 
-// Draw the discs; return a function that writes the angles beside them.
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu @param {Map<Plane, string>} tops */
-export function drawDiscs(ink, look, planes, gpu, tops) {
+// Return the tops of intervals as planes: each the bed that was picked there, else a level one, null in a hole that is nearly level itself.
+/** @param {Pick<Look, 'intervals' | 'path' | 'store'>} look @param {Plane[]} kept @returns {Top[]} */
+export const topPlanes = ({ intervals, path, store }, kept) => intervals.map(([name, start]) => {
+  const picked = bedAt(kept, start);
+  return { name, start, picked, plane: picked ?? levelPlane(path, start, store.bitRadius) };
+});
+
+// Return the name of a top with its dip and azimuth, or that it has none.
+/** @param {Top} top @param {Path} path */
+export const topInWords = ({ name, picked }, path) => `${name}   ${picked ? anglesOf(picked, path) : 'no dip'}`;
+
+// Return in words what traces, and discs if there are some, show on a hole that is drawn so many times too wide.
+/** @param {number} tube @param {boolean} discs */
+export const discsInWords = (tube, discs) => (tube > 1 ? [`tube × ${tube}: traces on it look flatter`, ...(discs ? ['the edges of discs have their true dip'] : [])] : [`tube × ${tube}`]);
+
+// Draw the discs; return a function that writes the names of tops and the angles beside them.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu */
+export function drawDiscs(ink, look, planes, gpu) {
   const { view, path, store, rects: { wall: rect } } = look;
   const palette = PALETTES[view.theme];
   const radius = store.bitRadius * view.tubeFactor(store);
-  const discs = linesOf(ink, look, planes).filter(({ plane: { depth } }) => depth >= view.top && depth <= view.bottom).map((disc) => {
+  /** @param {{ depth: number }} of */
+  const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
+  const tops = topPlanes(look, planes.kept).filter(({ start }) => inView({ depth: start }));
+  const rings = tops.flatMap(({ plane, picked }) => (picked || !plane ? [] : [{ plane, colour: palette.top, level: true, stroke: () => {
+    ink.setLineDash(NO_DIP);
+    outlined(ink, palette.top, palette);
+    ink.setLineDash([]);
+  } }]));
+  const discs = [...linesOf(ink, look, planes).filter(({ plane }) => inView(plane)).map((one) => ({ ...one, level: false })), ...rings].map((disc) => {
     const { centre, high, right, tangent } = disc.plane.frame;
     const towards = minus(gpu.camera.position, gpu.position({ centre }));
     return { ...disc, towards, along: eastNorthUp(tangent), front: (Math.atan2(dot(eastNorthUp(right), towards), dot(eastNorthUp(high), towards)) * 180) / Math.PI };
   }).sort((one, other) => dot(other.towards, other.towards) - dot(one.towards, one.towards)); // the nearest last
-  const beside = discs.map(({ plane, colour, stroke, towards, along, front }) => {
-    /** @param {boolean} cut @param {number} from */
-    const points = (cut, from) => edgeOf(plane, radius, cut, [from - 90, from + 90]).map((centre) => gpu.project({ centre }, rect)).filter((at) => at !== null);
+  const beside = discs.map(({ plane, colour, stroke, level, towards, along, front }) => {
     const side = scaled(normalised(cross(along, towards)), radius);
     const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.project(plane.frame, rect, plus(scaled(side, x), along, y * SIZE.most * radius)));
-    for (const [from, behind] of /** @type {[number, boolean][]} */ ([[front + 180, true], [front, false]])) {
-      const edge = points(false, from);
-      ink.save();
-      if (behind) { // the hole hides it
-        ink.beginPath();
-        ink.rect(rect.left, rect.top, rect.width, rect.height);
-        hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](...at));
-        ink.clip('evenodd');
-      }
+    /** @param {number[]} centre */
+    const seen = (centre) => gpu.project({ centre }, rect);
+    const [back, face] = [front + 90, front - 90].map((from) => discOf(plane, radius, [from, from + 180]));
+    const rim = [...back, ...face].map(({ edge, wide }) => (wide ? seen(edge) : null)).filter((at) => at !== null);
+    /** @param {(Pair | null)[]} points */
+    const row = (points) => {
       ink.beginPath();
-      for (const at of [...edge, ...points(true, from).reverse()]) ink.lineTo(...at);
+      points.forEach((at, i) => at && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...at));
+      stroke();
+    };
+    ink.save();
+    ink.beginPath();
+    ink.rect(rect.left, rect.top, rect.width, rect.height);
+    hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](...at));
+    ink.clip('evenodd'); // the hole hides what is behind it, and no disc veils the hole
+    if (!level) {
+      ink.beginPath();
+      for (const { edge, trace, wide } of [...back, ...face]) {
+        const at = seen(wide ? edge : trace);
+        if (at) ink.lineTo(...at);
+      }
       ink.globalAlpha = 0.4;
       ink.fillStyle = colour;
       ink.fill();
       ink.globalAlpha = 1;
-      ink.beginPath();
-      for (const at of edge) ink.lineTo(...at);
-      stroke();
-      ink.restore();
     }
+    row(back.map(({ edge, wide }) => (wide ? seen(edge) : null)));
+    ink.restore();
+    row(face.map(({ edge, wide }) => (wide ? seen(edge) : null)));
+    if (!level) row(face.map(({ trace }) => seen(trace)));
     const [x, y] = gpu.project(plane.frame, rect) ?? [0, 0];
     const [left, low] = gpu.project(plane.frame, rect, gpu.aside(plane.frame, -radius)) ?? [x - 1, y];
     const away = Math.hypot(left - x, low - y);
     const [dx, dy] = [(left - x) / away, (low - y) / away]; // to the side of the hole where no depths stand
     /** @param {Pair} at */
     const far = (at) => at[0] * dx + at[1] * dy;
-    const [at] = [...points(false, front), ...points(false, front + 180)].sort((one, other) => far(other) - far(one));
+    const [at] = rim.sort((one, other) => far(other) - far(one));
     return { plane, colour, at, dx, dy };
   });
   return () => {
-    for (const { plane, colour, at, dx, dy } of beside.sort((one, other) => Number(tops.has(other.plane)) - Number(tops.has(one.plane)))) {
-      const name = tops.get(plane);
-      if (!at) continue;
-      const parts = [...(name ? [name] : []), anglesOf(plane, path)];
+    /** @type {(parts: string[], place: { colour: string, at: Pair, dx: number, dy: number }, yields: boolean) => void} */
+    const write = (parts, { colour, at, dx, dy }, yields) => {
       const whole = parts.join('   ');
       ink.font = BOLD;
       const end = at[0] + 6 * dx - rect.left - 6; // of the room at the left of the disc
       const lines = dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]; // in two lines it need not stand on the hole
       const x = Math.max(end, dx < -0.3 ? Math.max(...lines.map((text) => ink.measureText(text).width)) : 0) + rect.left + 6;
-      for (const [i, text] of lines.entries()) label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour: name ? palette.top : colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: ROWS, yields: !name, margin: 1 });
+      let moved = 0;
+      for (const [i, text] of lines.entries()) {
+        const place = label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: ROWS, yields, margin: 1 });
+        moved = place?.[1] ?? 0;
+      }
+      if (moved && Math.abs(dx) > 0.3) line(ink, x + 3 * Math.sign(-dx), at[1] + 12 * dy + moved, ...at, colour, [], 1); // it stands in another row
+    };
+    for (const top of tops) {
+      const place = beside.find(({ plane }) => plane === top.plane) ?? besideHole(look, gpu, top.start, radius);
+      if (place?.at) write(topInWords(top, path).split('   '), { ...place, colour: palette.top }, false);
     }
+    for (const place of beside) if (place.at && !tops.some(({ plane }) => plane === place.plane)) write([anglesOf(place.plane, path)], place, true);
   };
+}
+
+// Return where a name stands beside the hole.
+/** @param {Looks} look @param {Gpu} gpu @param {number} depth @param {number} radius */
+function besideHole({ path, rects: { wall } }, gpu, depth, radius) {
+  const frame = path.at(depth);
+  const [axis, at] = [gpu.project(frame, wall), gpu.project(frame, wall, gpu.aside(frame, -1.3 * radius))];
+  if (!axis || !at) return undefined;
+  const away = Math.hypot(at[0] - axis[0], at[1] - axis[1]) || 1;
+  return { at, dx: (at[0] - axis[0]) / away, dy: (at[1] - axis[1]) / away };
 }
 
 // Draw the line of a plane from inside, thin and a little before the wall, so that the cleft that it marks is seen beside it. Return its

@@ -213,7 +213,7 @@ export class Renderer {
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
     if (rects.image.width && this.plain) for (const one of look.images) late(app)?.plainImage(ink, one);
-    drawAxis(ink, look);
+    if (rects.axis.width) drawAxis(ink, look);
     if (rects.image.width) for (const one of look.images) drawImageHead(ink, one);
     const calipers = drawCaliper(ink, look);
     if (rects.curves) curves.draw(ink, look);
@@ -230,10 +230,10 @@ export class Renderer {
     picking.write(planes);
     byId('netSection').hidden = !picking.drawn.length;
     if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
-    drawCursor(ink, look);
+    if (rects.axis.width) drawCursor(ink, look);
     if (rects.dips) tadpoles(ink, look, rects.dips, planes); // above the line of the cursor
     if (picking.on && !picking.selected) late(app)?.drawNext(ink, look, picking.kind);
-    drawAxisLabels(ink, look);
+    if (rects.axis.width) drawAxisLabels(ink, look);
     if (straight && rects.wall.width) drawColumn(ink, look);
     else if (gpu && rects.wall.width) late(app)?.drawWallInk(ink, look, gpu, calipers, planes);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);

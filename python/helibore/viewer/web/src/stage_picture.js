@@ -31,6 +31,7 @@ export function saveStage(app, kind, sharpen, save) {
     Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
     renderer.rects = layout(SLIDE.width, SLIDE.height - BAND, renderer.arrangement);
     renderer.gpu?.resize(SLIDE.width, SLIDE.height - BAND);
+    if (!view.eye.length) renderer.aim(); // all of the section is seen on the slide, too
   }
   const [width, height] = [inks.clientWidth + side, inks.clientHeight + BAND];
   const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));
@@ -73,6 +74,7 @@ export function saveStage(app, kind, sharpen, save) {
   picking.selected = selected;
   sharpen(0);
   byId('stage').removeAttribute('style');
+  if (slide) renderer.fitted = false;
   app.repaint();
   if (vector) save(svgFile(width, height, parts));
   else canvas.toBlob((blob) => blob && save(blob));

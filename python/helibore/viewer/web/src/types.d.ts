@@ -98,6 +98,7 @@ interface Plane {
   a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
   kind: PlaneKind; pick?: PlanePick; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
 }
+interface Top { name: string; start: number; picked?: Plane; plane: Plane | null }
 interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }
 type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim; trace: Map<number, WallPoint> } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
 

@@ -4,12 +4,13 @@ import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { anglesInWords, wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD, within } from './layout.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, within } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, line } from './strokes.js';
-import { drawDiscs, ROWS, topsOf } from './plane_rings.js';
+import { discsInWords, drawDiscs } from './plane_rings.js';
+import { drawPlan, offPlan, planInWords } from './planned.js';
 import { turn } from './turns.js';
-import { LENGTHS, showDepth } from './units.js';
+import { depthNumber, LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus, scaled } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 import { isSure } from './zones.js';
@@ -24,41 +25,56 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const palette = PALETTES[view.theme];
   const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
   const tube = view.tubeFactor(store);
+  const outside = view.camera === 'outside';
+  const slide = outside && Boolean(ink.canvas.slide); // its head is free: no controls stand there
   ink.save();
   ink.beginPath();
-  const top = view.camera === 'outside' ? HEAD : 0;
+  const top = outside ? HEAD : 0;
   ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
-  const picked = planes.kept.some(({ depth }) => depth > view.top && depth < view.bottom);
-  const words = view.camera !== 'outside' && (view.shape || 1) === 1 ? ['true to scale'] : [`tube × ${tube}${picked && tube > 1 ? ': traces on it look flatter' : ''}`, ...(picked && tube > 1 && view.camera === 'outside' ? ['discs of picks have their true dip'] : []), `shape × ${view.shape || 1} about the bit radius`];
-  if (view.camera === 'outside' && store.basis === 'azimuthal') words.push('see-through: not sure');
-  if (view.camera === 'outside' && store.plan.length) words.push('dashed: planned path', ...offPlan(look));
-  if (picked && !(view.camera === 'outside' && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
-  if (view.median > 1) words.push(`median of ${view.median} turns`);
-  if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
-  ink.font = FONT;
-  const lines = view.rig ? [] : inLines(ink, words, rect.width - (view.camera === 'outside' ? 200 : path.surveyed ? 110 : 20)).reverse();
+  const lines = view.rig ? [] : inLines(ink, inWords(look, planes, tube), rect.width - (slide ? 20 : outside ? 200 : path.surveyed ? 110 : 20));
   const { labels } = ink.canvas; // texts keep off the compass and off the words
   const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
-  const wide = view.camera === 'outside' ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
-  const at = labels.push(foot, { ...foot, left: rect.left + rect.width - wide, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
-  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, planes, palette);
+  const wide = outside ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
+  const at = labels.push(foot, { ...foot, left: rect.left + rect.width - (slide ? 0 : wide), right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
+  if (outside) outsideInk(ink, look, gpu, calipers, planes, palette);
   else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
   labels.splice(at, 2);
   if (path.surveyed) {
-    if (view.camera !== 'outside') disc(ink, rect, palette); // the rock is as dark or as bright as the arms
+    if (!outside) disc(ink, rect, palette); // the rock is as dark or as bright as the arms
     compass(ink, gpu, rect, palette);
-    if (view.camera === 'outside' && rect.width > 300) plan(ink, look, gpu, palette);
+    if (outside && rect.width > 300) plan(ink, look, gpu, palette);
   }
-  lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
+  ink.font = FONT;
+  lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, slide ? 11 + 16 * i : rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
+}
+
+// Return in words how the hole is drawn and what else is seen.
+/** @param {Looks} look @param {Planes} planes @param {number} tube */
+function inWords(look, planes, tube) {
+  const { view, path, store, rects } = look;
+  const outside = view.camera === 'outside';
+  /** @param {number} depth */
+  const inView = (depth) => depth > view.top && depth < view.bottom;
+  const picked = planes.kept.some(({ depth }) => inView(depth));
+  const toScale = !outside && (view.shape || 1) === 1;
+  const words = toScale ? ['true to scale'] : picked || (outside && look.intervals.some(([, start]) => inView(start))) ? discsInWords(tube, outside) : [`tube × ${tube}`];
+  if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} about the bit radius`);
+  if (outside && store.basis === 'azimuthal') words.push('see-through: not sure');
+  if (outside && store.plan.length) words.push(...planInWords(look));
+  if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
+  if (view.median > 1) words.push(`median of ${view.median} turns`);
+  if (!path.surveyed) words.unshift('no survey: drawn vertical');
+  if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
+  return words;
 }
 
 // Return the words in as few lines as the width allows.
 /** @param {Ink} ink @param {string[]} words @param {number} width */
 function inLines(ink, words, width) {
+  ink.font = FONT;
   /** @type {string[]} */
   const lines = [];
   for (const word of words) {
@@ -74,9 +90,9 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
   const { view, path, store, rects } = look;
   const rect = rects.wall;
   const tube = view.tubeFactor(store);
-  const tops = topsOf(look, planes);
   unmeasured(ink, look, gpu, calipers, palette);
-  const writeAngles = drawDiscs(ink, look, planes, gpu, tops);
+  if (store.plan.length) drawPlan(ink, look, gpu);
+  const writeAngles = drawDiscs(ink, look, planes, gpu);
   zonesBeside(ink, look, gpu, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const beside = store.bitRadius * tube * 1.3;
@@ -92,22 +108,18 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
     const text = showDepth(depth, view.units, digits);
     ink.font = SMALL;
     label(ink, text, level ? at[0] : Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
+    const off = store.plan.length && !level ? offPlan(look, depth) : null;
+    if (off) {
+      const words = `${showDepth(off.away, view.units, 1)} off`;
+      const [end, wide] = [at[0] + 16 + ink.measureText(text).width, ink.measureText(words).width];
+      const edge = rect.left + rect.width - 4;
+      label(ink, words, Math.min(end, edge - wide), at[1], { colour: palette.max, halo: palette.paper, font: SMALL, near: [[0, end + wide > edge ? 14 : 0]], yields: true, margin: 1 });
+    }
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
   writeAngles();
-  const named = [...tops.values()];
-  for (const [name, start] of look.intervals.filter(([one]) => !named.includes(one))) {
-    const at = start > view.top && start < view.bottom && gpu.project(path.at(start), rect, gpu.aside(path.at(start), -beside));
-    ink.font = SMALL_BOLD;
-    if (!at) continue;
-    const edge = gpu.project(path.at(start), rect, gpu.aside(path.at(start), -store.bitRadius * tube));
-    const left = Math.max(at[0] - 4, rect.left + 4 + ink.measureText(name).width);
-    const place = label(ink, name, left, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: ROWS, yields: true });
-    if (edge && place) line(ink, left + 2 + place[0], at[1] + place[1], ...edge, palette.top, [], 1.5);
-  }
   scaleBar(ink, look, gpu, palette);
-  dashed(ink, planAlong(look).map((centre) => gpu.project({ centre }, rect)), palette.max);
   cursorLabel(ink, look, gpu, beside, palette);
 }
 
@@ -127,53 +139,6 @@ function bar(ink, x, y, perMetre, { units }, palette) {
   const size = niceStep(40 / perUnit);
   for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
   label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
-}
-
-// Return how far a point is from a line through points; NaN before its first and beyond its last point.
-/** @param {number[][]} points @param {number[]} centre */
-export function farFrom(points, centre) {
-  let [least, beyond] = [Infinity, true];
-  points.slice(1).forEach((point, i) => {
-    const [along, to] = [minus(point, points[i]), minus(centre, points[i])];
-    const share = dot(along, to) / dot(along, along);
-    const away = Math.hypot(...minus(to, scaled(along, Math.min(1, Math.max(0, share)))));
-    if (away < least) [least, beyond] = [away, (i === 0 && share < 0) || (i === points.length - 2 && share > 1)];
-  });
-  return beyond ? NaN : least;
-}
-
-// Return in words how far the hole is from the planned path where the wall ends, and where it is farthest.
-/** @param {Look} look */
-function offPlan({ view: { units }, path, store: { plan: points, span } }) {
-  const all = Array.from({ length: 61 }, (_, i) => span[0] + ((span[1] - span[0]) * i) / 60)
-    .map((depth) => ({ depth, away: farFrom(points, path.at(depth).centre) })).filter(({ away }) => !Number.isNaN(away));
-  const [end, most] = [all[all.length - 1], all.reduce((far, one) => (one.away > far.away ? one : far), all[0])];
-  /** @param {{ depth: number, away: number }} of */
-  const words = ({ depth, away }) => `${showDepth(away, units, 1)} off it at ${showDepth(depth, units, 0)}`;
-  return !end ? [] : most.away - end.away < 0.05 ? [`${words(end)}, the most`] : [words(end), `at most ${words(most)}`];
-}
-
-// Draw the planned path.
-/** @param {Ink} ink @param {(number[] | null)[]} points @param {string} colour */
-function dashed(ink, points, colour) {
-  ink.beginPath();
-  for (const point of points) if (point) ink.lineTo(point[0], point[1]);
-  ink.strokeStyle = colour;
-  ink.lineWidth = 2;
-  ink.setLineDash([7, 4]);
-  ink.stroke();
-  ink.setLineDash([]);
-}
-
-// Return the points of the planned path beside the section, and one at each side.
-/** @param {Look} look */
-function planAlong({ view, path, store: { plan: points } }) {
-  const [a, b] = [view.top, view.bottom].map((depth) => {
-    const { centre } = path.at(depth);
-    const away = points.map((point) => Math.hypot(...minus(point, centre)));
-    return away.indexOf(Math.min(...away));
-  });
-  return points.slice(Math.max(0, Math.min(a, b) - 1), Math.max(a, b) + 2);
 }
 
 // Draw a stroke beside the hole along every zone in view.
@@ -274,7 +239,20 @@ function plan(ink, { view, path, store, rects }, gpu, palette) {
     ink.lineWidth = width;
     ink.stroke();
   }
-  within(ink, { left, top, width: PLAN, height: PLAN }, () => dashed(ink, store.plan.map(spot), palette.max));
+  within(ink, { left, top, width: PLAN, height: PLAN }, () => {
+    ink.beginPath();
+    for (const point of store.plan) ink.lineTo(...spot(point));
+    ink.strokeStyle = palette.max;
+    ink.lineWidth = 2;
+    ink.setLineDash([7, 4]);
+    ink.stroke();
+    ink.setLineDash([]);
+  });
+  ink.canvas.strokes.push([...at(ends[0]), ...at(ends[1])]);
+  for (const depth of ends) {
+    const [x, y] = at(depth);
+    label(ink, depthNumber(depth, view.units, 0), Math.min(left + PLAN - 16, Math.max(left + 16, x)), y, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, near: [[0, 12], [0, -12], [0, 22], [0, -22]], yields: true });
+  }
   if (!view.cursor) return;
   ink.fillStyle = palette.cursor;
   ink.beginPath();

@@ -18,6 +18,7 @@ export class Well {
   picks = [];
   /** @type {number | null} */
   bitDepth = null;
+  made = { picks: this.picks, version: -1, planes: /** @type {Plane[]} */ ([]) };
   words = '';
   east = 0; // metres to the east of where its path has it
   hidden = false;
@@ -70,7 +71,9 @@ export class Well {
 
   // The beds and fractures that were picked.
   get planes() {
-    return this.picks.flatMap((pick) => (pick.kind === 'breakout' ? [] : [planeOf(this.path, pick, this.store.bitRadius)]));
+    const { picks, path, made } = this;
+    if (made.picks !== picks || made.version !== path.version) this.made = { picks, version: path.version, planes: picks.flatMap((pick) => (pick.kind === 'breakout' ? [] : [planeOf(path, pick, this.store.bitRadius)])) };
+    return this.made.planes;
   }
 
   // Subscribe to the tiles between two depths, if they are not too many.

@@ -2,16 +2,18 @@
 // planes as discs, a grid with depths, north and scale.
 
 import { Orbit } from './camera.js';
-import { wallPoint } from './dips.js';
+import { casingsIn, shoeInWords } from './columns.js';
+import { anglesOf, wallPoint } from './dips.js';
 import { Flat } from './flat.js';
 import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
-import { edgeOf } from './plane_rings.js';
+import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
 import { byId } from './dom.js';
-import { depthNumber, LENGTHS } from './units.js';
+import { depthNumber, depthUnit } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 import { compass } from './wall_ink.js';
 
+const WIDE = 2.4; // of a disc, in radii of the drawn hole: the scene is seen from afar
 const STEPS = 24; // of the strip of a bed from its top to its base
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
@@ -34,6 +36,11 @@ export class Scene {
   constructor(wells) {
     this.wells = wells;
     this.orbit = new Orbit(byId('ink'), wells.gpu.outside, () => wells.mode === 'scene' && wells.moved());
+  }
+
+  // Metres that a line which joins the wells is high.
+  get thin() {
+    return 0.0022 * length(minus(this.high, this.low));
   }
 
   // Where the eye is, from the point that it looks at.
@@ -163,43 +170,76 @@ export class Scene {
     lines.clear();
     const palette = PALETTES[wells.view.theme];
     const visible = tops.filter(({ name }) => !hidden.has(name));
-    const size = length(minus(this.high, this.low));
     for (const { name, colour } of visible) {
       drawn.slice(0, -1).forEach((well, i) => {
         const next = drawn[i + 1];
-        const { a, b, top, base } = joined(well, next, name);
+        const { a, b, top, base, lacks } = joined(well, next, name);
         if (!a || !b) return;
         const rows = [[well, a], [next, b]].map(([one, ends]) => along(/** @type {Pair} */ (ends), STEPS).map((depth) => this.at(/** @type {import('./well.js').Well} */ (one), depth)));
-        if (shown.fence && base) areas.strip(rows[0], rows[1], colour, 0.32);
-        if (!top) return;
-        const upper = [a[0], b[0]].map((depth, j) => this.at(j ? next : well, depth));
-        areas.strip(upper, upper.map((point) => plus(point, [0, 0, -0.0022 * size])), colour, 0.95);
+        if (shown.fence && base) areas.strip(rows[0], rows[1], colour, lacks ? 0.15 : 0.32);
+        if (!top || (lacks && !(shown.fence && base))) return;
+        for (const end of lacks ? [0, 1] : [0]) { // both edges of a bed that one of the wells lacks, dashed
+          const [from, to] = [rows[0], rows[1]].map((row) => row[end * STEPS]);
+          for (const [start, stop] of lacks ? DASHES : [[0, 1]]) {
+            const edge = [start, stop].map((share) => plus(from, minus(to, from), share));
+            areas.strip(edge, edge.map((point) => plus(point, [0, 0, -this.thin])), colour, 0.95);
+          }
+        }
       });
-      if (!shown.discs) continue;
-      for (const well of drawn) {
-        const ends = bed(well, name);
-        if (ends && ends[0] > well.store.span[0] - 1e-6) areas.fan(this.at(well, ends[0]), this.disc(well, ends[0], 2.4), colour, 0.85);
-      }
     }
-    if (shown.planes) {
-      for (const well of drawn) {
-        for (const plane of well.planes) areas.fan(this.at(well, plane.depth), this.plane(well, plane), palette.picks[plane.kind], 0.75);
-      }
+    const colours = new Map(visible.map(({ name, colour }) => [name, colour]));
+    for (const well of drawn) {
+      const named = this.topsOf(well);
+      for (const { name, plane, picked } of named) if (plane) this.ring(well, plane, colours.get(name) ?? palette.top, !picked);
+      for (const plane of this.picksOf(well, named)) this.ring(well, plane, palette.picks[plane.kind], false);
+      for (const casing of casingsIn(well.store)) this.pipe(well, casing, palette);
     }
     for (const [a, b] of this.grid()) lines.add([a, b], palette.soft, 0.5);
   }
 
-  // Return the edge of a disc across a hole, so many radii of the drawn hole wide.
-  /** @param {import('./well.js').Well} well @param {number} depth @param {number} wide */
-  disc({ path, store }, depth, wide) {
-    const radius = wide * store.bitRadius * this.wells.tube;
-    return around((toolface) => minus(eastNorthUp(wallPoint(path, { depth, toolface, radius })), this.origin));
+  // Return the tops of a well that are shown, as planes.
+  /** @param {import('./well.js').Well} well */
+  topsOf({ store, path, planes }) {
+    const { hidden, shown } = this.wells;
+    const [top, bottom] = store.span;
+    const intervals = store.intervals.filter(([name, start]) => !hidden.has(name) && start >= top - 1e-6 && start <= bottom);
+    return shown.discs ? topPlanes({ intervals, path, store }, planes) : [];
   }
 
-  // Return the edge of a disc in a plane that was picked.
+  // Return the picks of a well that are shown; the disc of a top is that of its pick.
+  /** @param {import('./well.js').Well} well @param {Top[]} tops */
+  picksOf({ planes }, tops) {
+    return this.wells.shown.planes ? planes.filter((plane) => !tops.some(({ picked }) => picked === plane)) : [];
+  }
+
+  // Return the disc of a plane, in the axes of the scene.
   /** @param {import('./well.js').Well} well @param {Plane} plane */
-  plane({ store }, plane) {
-    return edgeOf(plane, store.bitRadius * this.wells.tube, false).map((point) => minus(eastNorthUp(point), this.origin));
+  disc({ store }, plane) {
+    return discOf(plane, store.bitRadius * this.wells.tube, undefined, WIDE).map(({ edge, trace, wide }) => ({ wide, edge: minus(eastNorthUp(edge), this.origin), trace: minus(eastNorthUp(trace), this.origin) }));
+  }
+
+  // Add a disc, or, for a top without a dip (`level`), a dashed ring.
+  /** @param {import('./well.js').Well} well @param {Plane} plane @param {string} colour @param {boolean} level */
+  ring(well, plane, colour, level) {
+    const points = this.disc(well, plane);
+    points.slice(1).forEach((next, i) => {
+      if (!next.wide || !points[i].wide || (level && Math.floor(i / 3) % 2)) return;
+      const [a, b] = [points[i], next];
+      const inner = level ? [a, b].map(({ edge, trace }) => plus(edge, minus(trace, edge), 0.2)) : [a.trace, b.trace];
+      this.areas.strip(inner, [a.edge, b.edge], colour, 0.85);
+      if (level) this.areas.strip([a.edge, b.edge], [a.edge, b.edge].map((point) => plus(point, [0, 0, -this.thin])), colour, 0.85);
+    });
+  }
+
+  // Add the part of a casing that stands in the measured hole, exaggerated as the hole is, and a ring at its shoe.
+  /** @param {import('./well.js').Well} well @param {NamedInterval} casing @param {Palette} palette */
+  pipe({ store, path }, [, start, stop, , diameter = 0], palette) {
+    const [top, bottom] = [Math.max(start, store.span[0]), Math.min(stop ?? Infinity, store.span[1])];
+    /** @param {number} depth */
+    const around = (depth) => Array.from({ length: 37 }, (_, i) => minus(eastNorthUp(wallPoint(path, { depth, toolface: 10 * i, radius: 1.04 * (diameter / 2) * this.wells.tube })), this.origin));
+    const rings = along([top, bottom], 6).map(around);
+    rings.slice(1).forEach((ring, i) => this.areas.strip(rings[i], ring, palette.soft, 0.55));
+    if (stop !== null && stop <= store.span[1]) this.areas.strip(around(stop - 0.4 * diameter), around(stop), palette.ink, 0.95);
   }
 
   // Round places along east, north and up in the box: how far apart, and where, in metres of the scene.
@@ -249,23 +289,46 @@ export class Scene {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, 2.5 * well.store.bitRadius * wells.tube]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
     }
+    if (wells.shown.box) this.letterBox(ink, rect, palette);
     for (const well of drawn) {
-      const [top, bottom] = well.store.span;
-      const seen = well.store.intervals.filter(([name, start]) => !wells.hidden.has(name) && start >= top && start <= bottom)
-        .map(([name, start]) => ({ name, start, at: this.project(this.at(well, start), rect) })).sort((one, other) => (one.at?.[1] ?? 0) - (other.at?.[1] ?? 0));
+      const tops = this.topsOf(well);
+      /** @param {Plane} plane @param {1 | -1} side */
+      const beside = (plane, side) => {
+        const all = this.disc(well, plane).filter(({ wide }) => wide).map(({ edge }) => this.project(edge, rect)).filter((at) => at !== null);
+        return all.reduce((far, at) => (side * at[0] > side * far[0] ? at : far), this.project(this.at(well, plane.depth), rect) ?? [NaN, NaN]);
+      };
+      const seen = tops.map((top) => ({ top, at: this.project(this.at(well, top.start), rect) })).sort((one, other) => (one.at?.[1] ?? 0) - (other.at?.[1] ?? 0));
       let lowest = -Infinity; // no name stands above that of a top that is higher on the picture
-      for (const { name, start, at } of seen) {
+      for (const { top, at } of seen) {
         if (!at) continue;
-        const edge = this.disc(well, start, 2.4).map((point) => this.project(point, rect)?.[0] ?? -Infinity);
         const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => at[1] + dy > lowest);
-        const place = near.length ? label(ink, name, Math.max(...edge, at[0]) + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
+        const x = top.plane ? beside(top.plane, 1)[0] : at[0];
+        const place = near.length ? label(ink, topInWords(top, well.path), x + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
         lowest = place ? at[1] + place[1] : lowest;
       }
+      for (const plane of this.picksOf(well, tops)) {
+        const [x, y] = beside(plane, -1);
+        label(ink, anglesOf(plane, well.path), x - 6, y, { colour: palette.picks[plane.kind], halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
+      }
+      for (const casing of casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1])) {
+        const at = this.project(this.at(well, casing[2] ?? 0), rect);
+        const side = at && this.project(plus(this.at(well, casing[2] ?? 0), wells.gpu.outside.axes[0], -0.6 * (casing[4] ?? 0) * wells.tube), rect);
+        if (side) label(ink, shoeInWords(casing, view.units), side[0] - 6, side[1], { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
+      }
     }
-    if (wells.shown.box) this.letterBox(ink, rect, palette);
+    drawn.slice(0, -1).forEach((well, i) => { // where a bed ends that one of two wells lacks is not known
+      for (const { name } of wells.shown.fence ? wells.tops : []) {
+        const { a, b, base, lacks } = joined(well, drawn[i + 1], name);
+        if (!a || !b || !base || !lacks || wells.hidden.has(name)) continue;
+        const ends = [...a.map((depth) => this.at(well, depth)), ...b.map((depth) => this.at(drawn[i + 1], depth))];
+        const at = this.project(scaled(ends.reduce((sum, point) => plus(sum, point)), 0.25), rect);
+        if (at) label(ink, '?', ...at, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+      }
+    });
     compass(ink, gpu, rect, palette);
-    const flatter = wells.tube > 1 && wells.shown.planes && drawn.some(({ planes }) => planes.length) ? ': traces on it look flatter; discs of picks have their true dip, as wide as the tube' : '';
-    label(ink, [`tube × ${wells.tube}${flatter}`, wells.note ? 'places not stated' : ''].filter(Boolean).join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
+    const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
+    const words = [...(planes ? discsInWords(wells.tube, true) : [`tube × ${wells.tube}`]), ...(wells.note ? ['places not stated'] : [])];
+    label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
   }
 
   // Write true depths at an upright edge of the box, and east and north along the floor.
@@ -274,7 +337,6 @@ export class Scene {
     const { low, high } = this;
     const { units } = this.wells.view;
     const [east, north, up] = this.ticks();
-    const { unit } = LENGTHS[units].depth;
     /** @param {Vector} place @param {string} text @param {CanvasTextAlign} align @param {number} dx @param {number} dy */
     const at = (place, text, align, dx, dy) => {
       const seen = this.project(place, rect);
@@ -284,7 +346,8 @@ export class Scene {
     const ends = [[x, front[1]], [front[0], y]].map(([across, along]) => [across, along, high[2]]);
     const [edge] = ends.sort((a, b) => (this.project(a, rect)?.[0] ?? 0) - (this.project(b, rect)?.[0] ?? 0)); // the left one
     for (const tick of up) at([edge[0], edge[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
-    at(edge, `true depth of the surveys [${unit}]`, 'left', -50, -14);
+    const head = this.project(edge, rect);
+    if (head) label(ink, `TVD ${depthUnit(units)}`, head[0] - 6, head[1] - 8, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
     const right = (this.project([front[0], y, low[2]], rect)?.[0] ?? 0) > (this.project([x, front[1], low[2]], rect)?.[0] ?? 0); // whether the north edge is at the right
     for (const tick of east) at([tick.at, front[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, right ? 'right' : 'left', right ? -2 : 2, 12);
     for (const tick of north) at([front[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, right ? 'left' : 'right', right ? 6 : -6, 10);
@@ -306,10 +369,9 @@ export class Scene {
   }
 }
 
+const DASHES = Array.from({ length: 16 }, (_, i) => [i / 16, (i + 0.55) / 16]); // of an edge from well to well
 /** @param {Plane} plane @returns {Vector} */
 const normalOf = ({ a, b, frame: { high, right, tangent } }) => normalised(eastNorthUp(tangent.map((t, i) => t - a * high[i] - b * right[i])));
-/** @param {(angle: number) => Vector} point */
-const around = (point) => Array.from({ length: 36 }, (_, i) => point(10 * i));
 /** @param {Vector} ends @param {number} steps */
 const along = ([start, stop], steps) => Array.from({ length: steps + 1 }, (_, i) => start + ((stop - start) * i) / steps);
 
@@ -320,12 +382,14 @@ export function drilled({ store }, name) {
   return [start >= store.span[0] - 1e-6, (stop ?? Infinity) < store.span[1] - Math.abs(store.levels[0].pitch)];
 }
 
-// Return a bed in two neighbours (`a`, `b`), and whether its top and its base lie in the measured hole of both.
+// Return a bed in two neighbours (`a`, `b`), whether its top and its base lie in the measured hole of both, and whether one of them
+// lacks the bed: where it ends between them is not known.
 /** @param {import('./well.js').Well} one @param {import('./well.js').Well} next @param {string} name */
 export function joined(one, next, name) {
   const [a, b] = [bed(one, name) ?? contact(next, one, name), bed(next, name) ?? contact(one, next, name)];
-  const [top, base] = [0, 1].map((end) => a?.[0] === a?.[1] || drilled(one, name)[end]).map((is, end) => is && (b?.[0] === b?.[1] || drilled(next, name)[end]));
-  return { a, b, top, base };
+  const none = [a, b].map((ends) => ends !== null && ends[0] === ends[1]);
+  const [top, base] = [0, 1].map((end) => [one, next].every((well, i) => none[i] || drilled(well, name)[end]));
+  return { a, b, top, base, lacks: none.includes(true) };
 }
 
 // Return where a bed that a well lacks wedges out in it: where the beds above and below it in another well meet; null if they do not.

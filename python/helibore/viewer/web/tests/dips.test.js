@@ -2,15 +2,16 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
 import { drawDips, drawLegend, tadpoles } from '../src/dip_ink.js';
-import { anglesInWords, anglesOf, axisOf, fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
+import { anglesInWords, anglesOf, axisOf, fitPlane, levelPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys, bindTracks } from '../src/input.js';
 import { touch } from '../src/layout.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
-import { edgeOf, topsOf } from '../src/plane_rings.js';
+import { discOf, topInWords, topPlanes, topsOf } from '../src/plane_rings.js';
+import { fromPlan, hiddenBy, offPlan } from '../src/planned.js';
 import { readout } from '../src/panel.js';
 import { Path } from '../src/path.js';
-import { compass, farFrom } from '../src/wall_ink.js';
+import { compass } from '../src/wall_ink.js';
 
 const RAD = Math.PI / 180;
 const near = (got, wanted, by, what = '') => assert.ok(Math.abs(got - wanted) <= by, `${what} ${got}, not ${wanted}`);
@@ -120,7 +121,7 @@ for (const [inclination, azimuth] of [[0.5, 30], [60, 70], [88, 250]]) {
     for (const [deepest, apparent] of [[0, 5], [130, 34], [250, 78]]) {
       const plane = planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: apparent, toolface: deepest }, 0.1);
       for (const tube of [1, 20, 500]) {
-        const edge = edgeOf(plane, 0.1 * tube, false);
+        const edge = discOf(plane, 0.1 * tube).map((one) => one.edge);
         const [from, ...on] = [0, 20, 50].map((i) => edge[i]);
         const [u, v] = on.map((point) => point.map((x, i) => x - from[i]));
         const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]].map((x, _, all) => (all[2] > 0 ? -x : x));
@@ -141,9 +142,46 @@ test('the angles of a plane are two numbers, and a legend says what they are and
   assert.deepEqual([anglesInWords(made), anglesInWords(path(0, 0)), anglesInWords(path(0, 0, { surveyed: false }))], ['dip / azimuth from grid north', 'dip / azimuth from a north that is not stated (path.north states it)', 'apparent dip / toolface of the deepest point']);
 });
 
-test('a top is the nearest plane within 0.2 m of it', () => {
-  const kept = [1009.9, 1010.15, 1014].map((depth) => ({ depth }));
-  assert.deepEqual([...topsOf({ intervals: [['A', 1010.1, 1013], ['B', 1013.7, null]] }, { kept })], [[kept[1], 'A']]);
+test('a top is the nearest bed within 0.2 m of it, and no fracture', () => {
+  const kept = [1009.9, 1010.15, 1014].map((depth) => ({ depth, kind: 'bed' }));
+  const intervals = [['A', 1010.1, 1013], ['B', 1013.7, null]];
+  assert.deepEqual([...topsOf({ intervals }, { kept })], [[kept[1], 'A']]);
+  kept.push({ depth: 1010.1, kind: 'fracture' }, { depth: 1013.7, kind: 'fault' });
+  assert.deepEqual([...topsOf({ intervals }, { kept })], [[kept[1], 'A']]);
+});
+
+for (const tube of [1, 10, 200]) {
+  test(`a disc meets a hole that is drawn ${tube} times too wide at the trace that the wall shows`, () => {
+    const made = path(40, 63);
+    const plane = planeOf(made, { kind: 'fracture', depth: 1010, apparent_dip: 62, toolface: 130, radius: 0.13 }, 0.1);
+    const { centre, tangent } = made.at(1010);
+    for (const [i, { trace: line, edge, wide }] of discOf(plane, 0.1 * tube).entries()) {
+      const from = line.map((x, j) => x - centre[j]);
+      const along = from.reduce((sum, x, j) => sum + x * tangent[j], 0);
+      near(1010 + along, planeDepth(made, plane, 5 * i), 1e-4, 'depth of the trace');
+      near(Math.hypot(...from.map((x, j) => x - along * tangent[j])), 0.1 * tube, 1e-8 * tube, 'on the wall that is drawn');
+      const out = edge.map((x, j) => x - centre[j]);
+      const up = out.reduce((sum, x, j) => sum + x * tangent[j], 0);
+      assert.equal(wide, Math.hypot(...out.map((x, j) => x - up * tangent[j])) > 0.1 * tube, 'the edge is outside the hole');
+    }
+  });
+}
+
+test('a top without a picked bed is a level plane without a dip, and none where the hole is nearly level', () => {
+  for (const inclination of [0.3, 35, 78]) {
+    const made = path(inclination, 63);
+    const level = levelPlane(made, 1010, 0.1);
+    near(level.dip, 0, 1e-3, `at ${inclination} degrees,`);
+    near(level.apparent, inclination, 1e-3);
+    for (const { edge } of discOf(level, 1)) near(edge[2], made.at(1010).centre[2], 1e-6, 'all of its edge at one depth:');
+  }
+  assert.equal(levelPlane(path(81, 63), 1010, 0.1), null);
+  const made = path(35, 63);
+  const bedAt = (depth) => planeOf(made, { kind: 'bed', depth, apparent_dip: 40, toolface: 20 }, 0.1);
+  const tops = topPlanes({ intervals: [['A', 1005, 1010], ['B', 1010, null]], path: made, store: { bitRadius: 0.1 } }, [bedAt(1005.1)]);
+  assert.deepEqual(tops.map((top) => topInWords(top, made)), [`A   ${anglesOf(bedAt(1005.1), made)}`, 'B   no dip']);
+  assert.equal(tops[0].plane, tops[0].picked);
+  assert.equal(tops[1].picked, undefined);
 });
 
 test('a point in a groove has the radius of the wall beside the groove, and one in a washout that of the washout', () => {
@@ -580,8 +618,42 @@ test('the azimuth of a breakout is that of its direction, not its angle from nor
 
 test('the distance to a planned path is that to its nearest leg, and not known before its start and beyond its end', () => {
   const plan = [[0, 0, 0], [0, 0, 100], [0, 30, 140]];
-  near(farFrom(plan, [3, 4, 50]), 5, 1e-9);
-  near(farFrom(plan, [5, 15, 120]), 5, 1e-9);
-  near(farFrom(plan, [0, -1, 100.5]), Math.hypot(1, 0.5), 1e-9, 'at the bend');
-  assert.ok([[0, 0, -1], [0, 60, 180]].every((point) => Number.isNaN(farFrom(plan, point))));
+  const far = (place) => Math.hypot(...(fromPlan(plan, place) ?? [NaN]));
+  near(far([3, 4, 50]), 5, 1e-9);
+  near(far([5, 15, 120]), 5, 1e-9);
+  near(far([0, -1, 100.5]), Math.hypot(1, 0.5), 1e-9, 'at the bend');
+  assert.ok([[0, 0, -1], [0, 60, 180]].every((point) => Number.isNaN(far(point))));
+});
+
+test('a hole is so far above and to the right of its plan as it is moved, looking downhole', () => {
+  for (const [inclination, azimuth] of [[35, 60], [88, 250]]) {
+    const made = path(inclination, azimuth);
+    const { high, right } = made.at(1010);
+    for (const [above, over] of [[1.2, 0.7], [-0.4, -2]]) {
+      const plan = [1000, 1029].map((depth) => made.at(depth).centre.map((x, i) => x - above * high[i] - over * right[i]));
+      const { away, sides } = offPlan({ path: made, store: { plan } }, 1010);
+      near(away, Math.hypot(above, over), 1e-3);
+      assert.deepEqual(sides.map(([, side]) => side), [above > 0 ? 'above' : 'below', over > 0 ? 'right' : 'left']);
+      near(sides[0][0], Math.abs(above), 1e-3);
+      near(sides[1][0], Math.abs(over), 1e-3);
+    }
+  }
+  const made = path(0, 0);
+  assert.deepEqual(offPlan({ path: made, store: { plan: [[3, 4, 0], [3, 4, 20]] } }, 1010).sides, [], 'a vertical hole has no upper side');
+});
+
+test('the hole, as wide as it is drawn, hides of a planned path what is in it and behind it', () => {
+  const made = path(0, 0); // straight down, seen from the north
+  const gpu = {
+    camera: { position: [0, 40, -10] },
+    position: ({ centre: [n, e, d] }) => [e, n, -d],
+    project: ({ centre: [n, e, d] }, rect, [dx, dy, dz] = [0, 0, 0]) => [(100 * (e + dx)) / (40 - n - dy), (100 * (d - dz)) / (40 - n - dy)],
+    aside: (frame, metres) => [metres, 0, 0],
+  };
+  const view = { top: 1002, bottom: 1020, tubeFactor: () => 10 };
+  const hides = hiddenBy({ view, path: made, store: { bitRadius: 0.1, span: [1000, 1025] }, rects: {} }, gpu);
+  const hidden = (n, e, d) => hides([e, n, -d], gpu.project({ centre: [n, e, d] }));
+  assert.deepEqual([hidden(0, 0, 10), hidden(-3, 0, 10), hidden(3, 0, 10)], [true, true, false], 'in it, behind it, before it');
+  assert.deepEqual([hidden(-3, 0.9, 10), hidden(-3, 1.3, 10)], [true, false], 'beside it');
+  assert.deepEqual([hidden(0, 0, 1), hidden(0, 0, 21)], [false, false], 'above and below the section');
 });
