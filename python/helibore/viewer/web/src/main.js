@@ -20,7 +20,7 @@ import { late } from './late.js';
 import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
 import { disableControls, fillSelects, nameCuts, showBasis } from './panel.js';
-import { Path } from './path.js';
+import { cutFor, Path } from './path.js';
 import { Picking } from './picking.js';
 import { Renderer, seconds } from './renderer.js';
 import { Replay } from './replay.js';
@@ -283,7 +283,8 @@ export class App {
   takeFrames(message) {
     const { count, surveyed } = this.path;
     this.path.apply(message);
-    this.view.choose({ cut: nameCuts(this.path, this.view.cut) });
+    nameCuts(this.path);
+    this.view.choose({ cut: cutFor([this.path], this.view.cut) });
     if (count && this.path.surveyed !== surveyed) this.renderer.fitted = false; // the hole has another direction: look at it anew
     this.repaint();
   }

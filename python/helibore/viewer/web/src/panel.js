@@ -7,7 +7,7 @@ import { wrap360 } from './helix.js';
 import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
-import { CUTS } from './path.js';
+import { CUTS, cutsOf } from './path.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK, uncertaintyOf } from './protocol.js';
 import { scaleLength } from './tracks.js';
 import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showShare, showSigned, showSpan, showValue, unitOf } from './units.js';
@@ -42,19 +42,18 @@ function sections({ unit, scale }) {
   options('sectionLength', [['', 'custom'], ...SCALES.map((one) => choice(`1:${one}`)), ...SECTIONS.map((length) => choice(length / scale, `${length} ${unit}`)), ['all', 'whole well']]);
 }
 
-// Name the cuts that the reference of the wall allows: up and north with a survey; without one, the reference of toolface 0
-// if it is known, else the tool's own angles. Returns the chosen cut, or another one if the chosen one is not allowed.
-/** @param {Path} path @param {Cut} chosen @returns {Cut} */
-export function nameCuts({ surveyed, reference, assumed }, chosen) {
-  const named = surveyed ? ['up', 'north'] : reference === 'north' ? ['north'] : ['up'];
+// Name the cuts that are known along the wall.
+/** @param {Path} path */
+export function nameCuts(path) {
+  const { surveyed, reference, assumed } = path;
+  const named = cutsOf([path]);
   const known = surveyed || reference === 'north' || reference === 'high-side';
   for (const option of byId('cut').options) {
-    const { letters, label, offset, reference: own } = CUTS[/** @type {Cut} */ (option.value)];
+    const cut = /** @type {Cut} */ (option.value);
+    const { letters, label, offset } = CUTS[cut];
     option.text = known ? `${letters.join('-')}: ${label}${assumed ? ' (assumed)' : ''}` : `cut at ${offset}° of the tool`;
-    option.hidden = !named.includes(own);
+    option.hidden = !named.includes(cut);
   }
-  if (named.includes(CUTS[chosen].reference)) return chosen;
-  return named[0] === 'north' ? 'north' : 'top';
 }
 
 /** @param {View} view */

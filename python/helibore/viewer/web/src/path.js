@@ -23,6 +23,7 @@ export class Path {
     this.startDepth = startDepth;
     this.step = step;
     this.count = 0;
+    this.whole = false; // false: more frames are to come
     this.centre = new Float64Array(0);
     this.directions = new Float32Array(0);
     this.version = 0;
@@ -42,6 +43,7 @@ export class Path {
     this.centre.set(centre, 3 * first);
     this.directions.set(directions, 6 * first);
     this.count = Math.max(this.count, first + count);
+    this.whole = this.count >= total;
     this.version++;
   }
 
@@ -113,6 +115,29 @@ export const CUTS = {
   north: { reference: 'north', offset: 0, letters: ['N', 'E', 'S', 'W', 'N'], label: 'cut at north' },
   south: { reference: 'north', offset: 180, letters: ['S', 'W', 'N', 'E', 'S'], label: 'cut at south' },
 };
+
+const PLACES = Array.from({ length: 21 }, (_, i) => i / 20);
+
+// Return the cuts that are known somewhere along paths: at up and at north with a survey, at north alone where the hole is vertical; without
+// a survey, at the reference of toolface 0 or, if that is not known, at the tool's own zero.
+/** @param {Path[]} paths @returns {Cut[]} */
+export function cutsOf(paths) {
+  /** @param {Path} path @returns {('up' | 'north')[]} */
+  const known = (path) => {
+    if (!path.surveyed) return [path.reference === 'north' ? 'north' : 'up'];
+    const leans = !path.whole || PLACES.some((share) => path.dial(path.startDepth + share * (path.count - 1) * path.step).up !== null);
+    return leans ? ['up', 'north'] : ['north'];
+  };
+  const common = /** @type {const} */ (['up', 'north']).filter((one) => paths.every((path) => known(path).includes(one)));
+  return /** @type {Cut[]} */ (Object.keys(CUTS)).filter((cut) => (common.length ? common : ['north']).includes(CUTS[cut].reference));
+}
+
+// Return the chosen cut, or the first of those that are known.
+/** @param {Path[]} paths @param {Cut} chosen */
+export function cutFor(paths, chosen) {
+  const cuts = cutsOf(paths);
+  return cuts.includes(chosen) ? chosen : cuts[0];
+}
 
 // Return the toolface at the left edge of the image at a depth, and whether the reference is known there; if it is not, the
 // toolface counts from the tool's own zero.

@@ -12,7 +12,6 @@ import { drawZones, letterZones, nameZones, STRIP } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 const APART_ACROSS = 12; // pixels between two values below the colours
-const LEGEND = 170; // pixels of the words for missing and interpolated below the colours
 
 // Return the depths at the ends of the axis, measured or true, and how a measured depth follows from them.
 /** @param {View} view */
@@ -139,7 +138,7 @@ const SIDES = { U: 'up', D: 'down' }; // of rig mode
 /** @param {Ink} ink @param {Look} look @param {boolean} known @param {Palette} palette */
 function letters(ink, { view, path, rects }, known, palette) {
   const { left, width } = rects.image;
-  const { letters: sides, reference } = CUTS[view.cut];
+  const { letters: sides, reference, label: cut } = CUTS[view.cut];
   const edge = leftEdge(path, view.cut, view.middle).toolface;
   const names = known ? sides.map((side) => (view.rig && width > 130 && SIDES[side]) || side) : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
   names.forEach((name, i) => {
@@ -148,13 +147,12 @@ function letters(ink, { view, path, rects }, known, palette) {
     if (i % 2 && (known ? view.rig : width < 125)) return; // no room
     label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: known ? BOLD : SMALL });
   });
-  if (known || view.rig) return;
+  if (view.rig) return;
   const why = { up: 'vertical here', north: 'runs north', none: 'no survey' }[path.surveyed ? reference : 'none'];
-  const place = { colour: palette.soft, align: /** @type {const} */ ('right'), font: SMALL, yields: true };
   ink.font = SMALL;
-  const room = width - LEGEND;
-  const text = [`${why}: the tool’s angles`, 'tool’s angles'].find((one) => ink.measureText(one).width <= room);
-  if (text) label(ink, text, left + width - 2, 52, place);
+  for (const text of known ? [cut, cut.replace('cut at ', 'at ')] : [`${why}: the tool’s angles`, 'tool’s angles']) {
+    if (label(ink, text, left + width - 2, 52, { colour: palette.soft, align: 'right', font: SMALL, yields: true, margin: 2 })) return;
+  }
 }
 
 // Return the stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data.

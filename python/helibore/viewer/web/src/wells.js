@@ -15,6 +15,7 @@ import { Context } from './gl.js';
 import { Gpu, PROGRAMS } from './gpu.js';
 import { BOLD, FONT, PALETTES } from './layout.js';
 import { niceStep } from './lod.js';
+import { cutFor, CUTS, cutsOf } from './path.js';
 import { applyTheme } from './panel.js';
 import { save } from './saving.js';
 import { BAND, SLIDE } from './slide.js';
@@ -37,6 +38,7 @@ export class Wells {
   wells = [];
   note = ''; // how wells without a place were placed
   mode = 'scene';
+  cut = /** @type {Cut} */ ('top'); // that is asked for
   datumChosen = false; // by the address or the user
   datum = ''; // '': measured depths; TRUE: true depths; else the name of the top that stands at one height
   /** @type {Record<'fence' | 'discs' | 'planes' | 'box', boolean>} */
@@ -54,7 +56,7 @@ export class Wells {
   constructor() {
     this.redraw = oncePerFrame(() => this.draw());
     this.view = new View(this.redraw);
-    this.view.choose({ camera: 'outside', follow: false, cut: 'north' });
+    this.view.choose({ camera: 'outside', follow: false });
     this.view.followTheme(DARK.matches);
     DARK.addEventListener('change', ({ matches }) => this.view.followTheme(matches));
     this.gpu = new Gpu(byId('gl'));
@@ -150,6 +152,8 @@ export class Wells {
     applyTheme(view);
     const { clientWidth: width, clientHeight: height } = byId('stage');
     const datum = this.datumChosen ? this.datum : farApart(this.drawn) ? TRUE : '';
+    const paths = this.drawn.map(({ path }) => path);
+    view.cut = cutFor(paths, this.cut);
     if (datum !== this.datum) Object.assign(this, { datum }).section.fitted = false;
     this.lists();
     const began = performance.now();
@@ -170,7 +174,7 @@ export class Wells {
       if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8 }, imagePieces: [] }, height - BAR / 2);
       if (looks[0] && this.mode === 'scene' && this.shown.planes) {
         const rects = { ...looks[0].rects, axis: { ...rect, height: height - BAR / 2 - 10 }, image: { ...rect, width: 0 }, pane: rect };
-        drawLegend(ink, { ...looks[0], view: this.viewOf(-1e6, 2e6), rects }, { kept: this.drawn.flatMap(({ planes }) => planes), boxes: [], selected: null, current: null, open: false }, []);
+        drawLegend(ink, { ...looks[0], view: this.viewOf(-1e6, 2e6), rects }, { kept: this.drawn.flatMap((well) => this.scene.picksOf(well, this.scene.topsOf(well))), boxes: [], selected: null, current: null, open: false }, []);
       }
     }
     if (!coarse) gpu.whenDrawn(() => (this.cost = performance.now() - began));
@@ -193,16 +197,18 @@ export class Wells {
     const quantities = wells.flatMap((well) => well.quantities);
     const names = [...new Map(quantities.map(({ id, name }) => [id, name]))];
     if (!names.some(([id]) => id === this.quantityId)) this.quantityId = names.find(([id]) => quantities.find((one) => one.id === id)?.mode === 5)?.[0] ?? names[0]?.[0] ?? '';
-    const key = JSON.stringify([names, tops, wells.map(({ name, words, hidden, ready, store }) => [name, words, hidden, ready, store?.session]), [...this.hidden]]);
+    const cuts = cutsOf(this.drawn.map(({ path }) => path));
+    const key = JSON.stringify([names, cuts, tops, wells.map(({ name, words, hidden, ready, store }) => [name, words, hidden, ready, store?.session]), [...this.hidden]]);
     byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
-    byId('datum').hidden = this.mode === 'scene';
+    for (const id of /** @type {const} */ (['datum', 'cut'])) byId(id).hidden = this.mode === 'scene';
     byId('tube').hidden = this.mode !== 'scene';
     byId('theme').textContent = this.view.theme === 'dark' ? 'Light' : 'Dark';
     if (key !== this.listed) {
       this.listed = key;
       options('quantity', names);
       options('datum', [['', 'measured depth'], [TRUE, 'true vertical depth'], ...tops.map(({ name }) => /** @type {Choice} */ ([name, `hang on ${name}`]))]);
+      options('cut', cuts.map((cut) => [cut, `${CUTS[cut].letters.join('-')}: ${CUTS[cut].label}`]));
       options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
       byId('wells').replaceChildren(...wells.map((well) => this.wellRow(well)));
       byId('topsSection').hidden = !tops.length;
@@ -211,6 +217,7 @@ export class Wells {
     byId('quantity').value = this.quantityId;
     byId('datum').value = this.datum;
     byId('tube').value = String(this.view.tube);
+    byId('cut').value = this.view.cut;
   }
 
   /** @param {Well} well */
@@ -247,7 +254,7 @@ export class Wells {
   // The address of a well's own page, which begins with what is chosen here.
   /** @param {Well} well @param {number} [depth] */
   addressOf(well, depth) {
-    const parts = new URLSearchParams({ quantity: this.quantityId, units: this.view.units, theme: this.view.theme, ...(depth === undefined ? {} : { md: depth.toFixed(2), sec: '20' }) });
+    const parts = new URLSearchParams({ quantity: this.quantityId, cut: this.view.cut, units: this.view.units, theme: this.view.theme, ...(depth === undefined ? {} : { md: depth.toFixed(2), sec: '20' }) });
     return `${well.address}${location.search}#${parts}`;
   }
 
@@ -273,6 +280,7 @@ export class Wells {
     });
     on('quantity', 'change', ({ value }) => (this.quantityId = value));
     on('tube', 'change', ({ value }) => view.choose({ tube: Number(value) }));
+    on('cut', 'change', ({ value }) => (this.cut = /** @type {Cut} */ (value)));
     on('units', 'change', ({ value }) => view.choose({ units: /** @type {Units} */ (value) }));
     on('theme', 'click', () => view.toggleTheme());
     on('fit', 'click', () => this.fit());
@@ -352,7 +360,7 @@ export class Wells {
     ink.fillRect(0, 0, width, height);
     ink.font = BOLD;
     ink.fillStyle = palette.ink;
-    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.note].filter(Boolean).join('   '), 8, 17);
+    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.note].filter(Boolean).join('   '), 8, 17);
     sharpen(ratio);
     this.movedAt = 0;
     /** @type {string[]} */
@@ -373,7 +381,7 @@ export class Wells {
 
   toAddress() {
     const { view, scene, section } = this;
-    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datumChosen ? { datum: this.datum } : {}) });
+    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, cut: this.cut, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datumChosen ? { datum: this.datum } : {}) });
     if (scene.fitted) parts.set('eye', [...scene.from, ...scene.orbit.target].map((x) => x.toFixed(2)).join('_'));
     if (section.fitted) parts.set('between', [section.top, section.length].map((x) => x.toFixed(3)).join('_'));
     const off = SHOWN.filter((id) => !this.shown[id]);
@@ -387,8 +395,9 @@ export class Wells {
     this.quantityId = parts.get('quantity') ?? '';
     this.datumChosen = parts.has('datum');
     this.datum = parts.get('datum') ?? '';
-    const [theme, units] = [parts.get('theme'), parts.get('units')];
+    const [theme, units, cut] = ['theme', 'units', 'cut'].map((name) => parts.get(name));
     if (theme === 'light' || theme === 'dark') this.view.choose({ theme });
+    if (cut && cut in CUTS) this.cut = /** @type {Cut} */ (cut);
     if (units === 'mm' || units === 'in' || units === 'ft') this.view.choose({ units });
     this.view.choose({ tube: TUBES.find((tube) => String(tube) === parts.get('tube')) ?? 0 });
     const [eye, between] = ['eye', 'between'].map((name) => numbers(parts.get(name)));

@@ -1,8 +1,8 @@
-// True depth: known between the first and the last station, as far as the frames of the wall reach.
+// True depth: known between the first and the last station, as far as the frames of the wall reach. Where an image is cut open.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { Path } from '../src/path.js';
+import { cutFor, cutsOf, Path } from '../src/path.js';
 
 /** @param {number} step */
 function slanted(step) {
@@ -32,4 +32,22 @@ test('a path without frames knows no true depth', () => {
   const path = new Path(2000, 2);
   path.trueDepth = [0, 3000, 0];
   assert.ok(Number.isNaN(path.tvd(2000)));
+});
+
+/** @param {number} inclination @param {number} [total] @param {{ surveyed?: boolean, reference?: string | null }} [of] */
+function straight(inclination, total = 11, { surveyed = true, reference = null } = {}) {
+  const path = new Path(2000, 2, reference);
+  const [c, s] = [Math.cos(inclination), Math.sin(inclination)].map(Math.fround);
+  path.apply({ first: 0, count: 11, total, centre: new Float64Array(33), directions: Float32Array.from({ length: 66 }, (_, k) => [c, 0, -s, 0, 1, 0][k % 6]), surveyed });
+  return path;
+}
+
+test('an image begins at the high side, at north where the hole is vertical, and alike in all wells of a page', () => {
+  const [leaning, vertical] = [straight(0.6), straight(0.001)];
+  assert.deepEqual([cutFor([leaning], 'top'), cutFor([leaning], 'north'), cutFor([vertical], 'top'), cutFor([vertical], 'south')], ['top', 'north', 'north', 'south']);
+  assert.deepEqual(cutsOf([leaning]), ['top', 'bottom', 'north', 'south']);
+  assert.deepEqual(cutsOf([leaning, vertical]), ['north', 'south']);
+  assert.deepEqual(cutsOf([straight(0.001, 40)]), ['top', 'bottom', 'north', 'south'], 'more of the path is to come: it may lean');
+  const [byHigh, byNorth] = ['high-side', 'north'].map((reference) => straight(0, 11, { surveyed: false, reference }));
+  assert.deepEqual([cutsOf([byHigh]), cutsOf([byNorth])], [['top', 'bottom'], ['north', 'south']]);
 });
