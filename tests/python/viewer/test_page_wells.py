@@ -201,6 +201,11 @@ class TestPage:
                 f" section.found(image.left + 9, {json.dumps(rows)}[i][1]).depth))(window.__wall.wells)"
             )
             texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            with screen.page.expect_download() as download:
+                screen.click("#svg")
+            saved = list(ElementTree.parse(download.value.path()).getroot().itertext())
+            how = "true vertical" if surveyed else "measured"
+            assert f"A-1, B-2   hung on Bed 1, by {how} depth" in saved
             screen.close()
         upper, lower = np.array(rows).T
         assert np.ptp(lower) < 1e-6
@@ -234,21 +239,32 @@ class TestPage:
             assert texts.count("TVD m") == 2
             screen.close()
 
-    def test_where_a_bed_ends_that_one_well_lacks_is_marked_as_not_known(self, browser: Any) -> None:
+    @pytest.mark.parametrize("mode", ["scene", "section"])
+    def test_where_a_bed_ends_that_one_well_lacks_is_marked_as_not_known(self, browser: Any, mode: str) -> None:
+        """In the scene as side by side: a question mark, dashed edges, a fainter bed."""
         walls = {name: made(HEADS[name], (1002.0, 1005.0, 1009.0)) for name in ("A-1", "B-2")}
         upper, _, lower = walls["B-2"].intervals
+        strips = []
         for lacking, marks in ((True, 1), (False, 0)):
             if lacking:
                 walls["B-2"].intervals = (hb.Interval(upper.name, 1002.0, lower.start), lower)
             else:
                 walls["B-2"].intervals = walls["A-1"].intervals
             with hb.view_wells(walls) as viewer:
-                screen = Screen(browser, viewer.url, "#mode=section", drawn=False)
-                screen.until("window.__wall.wells.section.columns.length === 2")
-                screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 2')")
+                screen = Screen(browser, viewer.url, f"#mode={mode}&off=discs", drawn=False)
+                screen.until("window.__wall.wells.drawn.length === 2")
+                screen.until("document.getElementById('ink').labels.length > 5")
+                screen.click("#fit")
                 texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
                 assert texts.count("?") == marks
+                alphas = screen.evaluate("window.__wall.wells.scene.areas.tints.filter((_, i) => i % 4 === 3)")
+                strips.append([alphas.count(round(255 * one)) for one in (0.15, 0.32, 0.95)])
                 screen.close()
+        if mode == "scene":
+            (faint, firm, edges), whole = strips
+            assert faint > 0, "the bed that one well lacks"
+            assert (faint + firm, 0) == (whole[1], whole[0])
+            assert edges > 4 * whole[2], "its edges are dashes"
 
     def test_the_scene_shows_planes_as_discs_and_names_their_colours(self, browser: Any) -> None:
         walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
@@ -269,9 +285,64 @@ class TestPage:
                 " return [rect.width, rect.height, corners, Math.abs(share)]; })(window.__wall.wells)"
             )
             assert towards > 0.5, "rather the face of the disc than its edge"
+            texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            for wall in walls.values():
+                for pick in wall.picks:
+                    assert "{:.0f} / {:03.0f}".format(*pick.dip(wall.path)) in texts, "each disc has its angles"
+            assert "TVD m" in texts
             across, down = np.array(corners).T
             assert 0 < across.min() < across.max() < width
             assert 0 < down.min() < down.max() < height
+            screen.close()
+
+    def test_a_top_is_the_disc_of_its_bed_or_a_level_ring_without_a_dip(self, browser: Any) -> None:
+        walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
+        pick = hb.Pick(kind="bed", depth=1004.0, apparent_dip=30.0, toolface=90.0)
+        walls["A-1"].picks = [pick]
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#off=fence_box", drawn=False)
+            screen.until("window.__wall.wells.drawn.length === 2 && window.__wall.wells.wells[0].planes.length")
+            screen.click("#fit")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text.startsWith('Bed 1'))")
+            texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            angles = "{:.0f} / {:03.0f}".format(*pick.dip(walls["A-1"].path))
+            beds = sorted(text for text in texts if text.startswith("Bed"))
+            assert beds == sorted([f"Bed 0   {angles}", "Bed 0   no dip", *["Bed 1   no dip"] * 2])
+            assert angles not in texts, "the disc of a top is not drawn a second time"
+            heights = screen.evaluate(
+                "(({ scene, drawn }) => drawn.map((well) => scene.topsOf(well).map(({ plane, start }) =>"
+                " scene.disc(well, plane).map(({ edge }) => edge[2] - scene.at(well, start)[2]))))(window.__wall.wells)"
+            )
+            high = [np.abs(edge).max() for well in heights for edge in well]
+            assert max(high[1:]) < 1e-6, "the ring of a top without a dip is level, though the hole leans by 30 degrees"
+            assert high[0] > 0.1
+            screen.close()
+
+    @pytest.mark.parametrize(("inclination", "cut"), [(30.0, "cut at high side"), (0.5, "cut at north")])
+    def test_casings_end_at_their_shoes_and_images_say_where_they_are_cut(
+        self, browser: Any, inclination: float, cut: str
+    ) -> None:
+        walls = {name: made(HEADS[name], TOPS[name], inclination) for name in ("A-1", "B-2")}
+        for wall in walls.values():
+            wall.intervals = (*wall.intervals, hb.Interval("Surface", 0.0, 1002.0, "Casing", 0.244))
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section", (1366, 768), drawn=False)
+            screen.until("window.__wall.wells.section.columns.length === 2")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 1')")
+            texts = screen.evaluate("document.getElementById('ink').labels.map(({ text }) => text)")
+            assert texts.count("shoe Surface, 244 mm") == 2
+            assert texts.count(cut) == 2
+            assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").endswith(cut)
+            assert screen.touching("ink") == []
+            screen.evaluate("document.getElementById('mode').value = 'scene'")
+            screen.evaluate("document.getElementById('mode').dispatchEvent(new Event('change'))")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'TVD m')")
+            screen.click("#fit")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'shoe Surface, 244 mm')")
+            screen.close()
+        with hb.view(walls["A-1"], path=walls["A-1"].path) as one:
+            screen = Screen(browser, one.url, "", (1920, 1080), drawn=False)
+            screen.until(f"document.getElementById('ink').labels.some(({{ text }}) => text === '{cut}')")
             screen.close()
 
     @pytest.mark.parametrize("apart", [0.3, 1.5])
@@ -283,7 +354,7 @@ class TestPage:
             screen = Screen(browser, viewer.url, drawn=False)
             screen.until("window.__wall.wells.drawn.length === 2")
             screen.click("#fit")
-            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 1')")
+            screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'Bed 1   no dip')")
             labels, ends = screen.evaluate(
                 "(({ scene, drawn }) => [document.getElementById('ink').labels,"
                 " drawn.map((well) => scene.project(scene.at(well, 1003), scene.rect))])(window.__wall.wells)"
@@ -367,7 +438,7 @@ class TestPage:
         root = ElementTree.parse(download.value.path()).getroot()
         texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
         assert set(HEADS) <= set(texts)
-        assert "Bed 1" in texts
+        assert ("Bed 1   no dip" if mode == "scene" else "Bed 1") in texts
         screen.close()
 
     @pytest.mark.parametrize("mode", ["scene", "section"])

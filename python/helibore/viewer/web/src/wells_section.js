@@ -2,6 +2,7 @@
 // between them. Depths are measured depths, true depths, or count from a top, which then stands at one height in all wells.
 
 import { drawCaliper, linesOf, profile, scaleFor } from './caliper.js';
+import { casingsIn, inLines, pipe, shoeInWords } from './columns.js';
 import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
 import { BOLD, depthAt, DIPS, fitting, HEAD, inkOn, label, PALETTES, SMALL, SMALL_BOLD, tracksEnd } from './layout.js';
 import { edges, line, sharp } from './strokes.js';
@@ -39,6 +40,13 @@ export class Section {
   get byTrue() {
     const { datum, drawn } = this.wells;
     return datum === TRUE || (datum !== '' && drawn.every(hasTrue));
+  }
+
+  // Which depths stand at one height, in words.
+  get depthsInWords() {
+    const { datum } = this.wells;
+    if (datum === '' || datum === TRUE) return datum ? 'by true vertical depth' : 'by measured depth';
+    return `hung on ${datum}, by ${this.byTrue ? 'true vertical' : 'measured'} depth`;
   }
 
   // Return the depth in a well from which its depths count here; NaN if the well lacks the top, or true depths.
@@ -182,17 +190,25 @@ export class Section {
     const planes = { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false };
     if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, planes, false);
     if (rects.dips) tadpoles(ink, moved, moved.rects.dips, planes);
-    ink.restore();
-    edges(ink, sharp(image, -1), palette.line);
+    const { axis: depths, image: picture } = moved.rects;
+    edges(ink, sharp(picture, -1), palette.line);
+    /** @param {number} depth */
+    const y = (depth) => this.y(this.down(well, depth), moved.rects);
+    const [top, bottom] = [depths.top, depths.top + depths.height];
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
     for (const [name, start] of look.intervals) {
-      const y = this.y(this.down(well, start), rects);
-      if (y < axis.top || y > axis.top + axis.height) continue;
-      line(ink, this.columns[0].well === well ? image.left : axis.left, y, right, y, colours.get(name) ?? palette.top, [], 2.5); // from the well at its left
-      label(ink, fitting(ink, [name], image.width - 8), image.left + 5, y + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
+      if (y(start) < top || y(start) > bottom) continue;
+      const left = this.columns[0].well === well ? picture.left : depths.left; // from the well at its left
+      line(ink, left, y(start), right, y(start), colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
+      label(ink, fitting(ink, [name], picture.width - 8), picture.left + 5, y(start) + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
     }
-    ink.save();
-    ink.translate(0, NAME);
+    for (const casing of casingsIn(look.store)) { // along both edges of the image
+      const [name, , stop] = casing;
+      pipe(ink, casing, picture.left + picture.width / 2, picture.width / 2 - 1, y, [top, bottom], palette);
+      if (stop === null || y(stop) < top || y(stop) > bottom) continue;
+      ink.font = SMALL_BOLD;
+      label(ink, fitting(ink, [shoeInWords(casing, look.view.units), `shoe ${name}`, 'shoe'], picture.width - 8), picture.left + 5, y(stop) - 8, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, 17], [0, -15]], yields: true });
+    }
     drawAxisLabels(ink, moved);
     ink.restore();
   }
@@ -211,6 +227,12 @@ export class Section {
       const [left, right] = [tracksEnd(one.rects), next.rects.axis.left];
       const text = `${showDepth(Math.hypot(...minus(a, b).slice(0, 2)), this.wells.view.units, 0)} apart`;
       ink.font = SMALL;
+      if (i === 0 && ![TRUE, ''].includes(this.wells.datum)) {
+        ink.font = SMALL_BOLD;
+        const lines = inLines(ink, `hung on ${this.wells.datum}`, right - left - 8);
+        if (lines.length < 5 && lines.every((words) => ink.measureText(words).width < right - left)) lines.forEach((words, row) => label(ink, words, (left + right) / 2, 35 + 14 * row, { colour: PALETTES[this.wells.view.theme].ink, align: 'center', font: SMALL_BOLD }));
+      }
+      ink.font = SMALL;
       if (this.wells.note || !one.well.path.surveyed || !next.well.path.surveyed || ink.measureText(text).width > right - left) return;
       label(ink, text, (left + right) / 2, 11, { colour: PALETTES[this.wells.view.theme].soft, align: 'center', font: SMALL, yields: true });
     });
@@ -222,10 +244,9 @@ export class Section {
       const next = this.columns[i + 1];
       const [left, right] = [tracksEnd(one.rects) + 2, next.rects.axis.left];
       for (const { name, colour } of this.wells.tops) {
-        const { top, base, ...ends } = joined(one.well, next.well, name);
+        const { top, base, lacks, ...ends } = joined(one.well, next.well, name);
         const [a, b] = [ends.a, ends.b].map((pair, j) => pair?.map((depth) => this.y(this.down([one, next][j].well, depth), one.rects)));
         if (!a || !b || this.wells.hidden.has(name)) continue;
-        const lacks = a[0] === a[1] || b[0] === b[1]; // where it ends is not known
         if (top && !lacks) line(ink, left, a[0], right, b[0], colour, [], 2.5);
         if (!base) continue;
         ink.beginPath();

@@ -22,8 +22,9 @@ test('wells that are measured at very different depths stand side by side by tru
 test('a bed that one well lacks wedges out where the beds above and below it meet there', () => {
   const well = (...intervals) => ({ store: { intervals, span: [1000, 1020], levels: [{ pitch: -0.1 }] } });
   const whole = well(['a', 1002, 1005], ['b', 1005, 1009], ['c', 1009, 1014]);
-  assert.deepEqual(joined(whole, well(['a', 1001, 1006], ['c', 1006, 1012]), 'b'), { a: [1005, 1009], b: [1006, 1006], top: true, base: true });
-  assert.deepEqual(joined(well(['a', 1001, 1006], ['c', 1006, 1012]), whole, 'b'), { a: [1006, 1006], b: [1005, 1009], top: true, base: true });
+  assert.deepEqual(joined(whole, well(['a', 1001, 1006], ['c', 1006, 1012]), 'b'), { a: [1005, 1009], b: [1006, 1006], top: true, base: true, lacks: true });
+  assert.deepEqual(joined(well(['a', 1001, 1006], ['c', 1006, 1012]), whole, 'b'), { a: [1006, 1006], b: [1005, 1009], top: true, base: true, lacks: true });
+  assert.equal(joined(whole, whole, 'b').lacks, false);
   assert.equal(joined(whole, well(['a', 1001, 1006], ['x', 1006, 1008], ['c', 1008, 1012]), 'b').b, null); // another bed lies between them
   assert.equal(joined(whole, well(['a', 990, 995], ['c', 995, 1012]), 'b').b, null); // they meet above the measured hole
   assert.equal(joined(whole, well(['a', 1001, 1006]), 'b').b, null);
