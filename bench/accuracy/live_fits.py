@@ -26,7 +26,7 @@ from helibore.wall.automatic import choose
 
 WHOLE = 50.0
 AUTOMATIC = hb.Settings(bit_diameter=known_holes.BIT, estimator="automatic")
-SIMPLE = hb.Settings(bit_diameter=known_holes.BIT)
+SIMPLE = hb.Settings(bit_diameter=known_holes.BIT, estimator="inverse-distance")
 Made = TypeVar("Made")
 
 
@@ -63,7 +63,7 @@ def measured(case: automatic.Case) -> tuple[list[list[float]], list[list[float]]
         off = wall.radius - case.truth(wall.depth, wall.toolface)
         return float(np.sqrt(np.nanmean(off[inside] ** 2)))
 
-    simple = error(hb.reconstruct(of, bit_diameter=known_holes.BIT, threads=1))
+    simple = error(drawn(of, SIMPLE))
     batch = error(hb.reconstruct(of, threads=1, **vars(choose(of, AUTOMATIC).settings)))
     of_all = error(drawn(of, choose(hb.Caliper(of.depth, of.toolface, of.radius), AUTOMATIC).settings))
     fits, ratios, seconds, names = LayerFits(AUTOMATIC), [], [], []
