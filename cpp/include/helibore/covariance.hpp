@@ -14,7 +14,8 @@ struct LikelyCovariance {
 };
 
 // Returns Settings::covariance: radius, noise, and a short, a long and, if the samples show it, a fine term, and the
-// turn of the shape along the hole, to five digits; the long term repeats after half a turn if that is much likelier.
+// turn of the shape along the hole, to five digits; the long term repeats after half a turn if that is much likelier,
+// and the short term is smooth if that is likelier.
 // `samples` are blocks of `block_size` samples each. The parameters maximise the mean over the blocks of the restricted
 // likelihood, with weak priors. The noise variance of quantised radii is at least step^2 / 48. The long term is not
 // much shorter along the hole than `spacing`, the typical distance between samples in metres: it would be noise. The

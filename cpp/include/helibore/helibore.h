@@ -115,7 +115,7 @@ typedef struct hb_settings {
     int32_t instruction_set;
     int32_t sigma;            /* 1: the wall keeps what hb_wall_sigma needs */
     int32_t covariance_count; /* HB_NEAR_AND_FAR: how many values `covariance` has; else 0 */
-    double covariance[12];    /* covariance[6] < 0: the second term repeats after half a turn */
+    double covariance[12];    /* [3] < 0: a smooth first term; [6] < 0: the second repeats after half a turn */
     int64_t other_turns_count;
     const double* other_turns; /* NULL: none; else read by hb_wall_create alone */
 } hb_settings;

@@ -41,7 +41,8 @@ struct Settings {
     // a metre. The covariance of two radii is the sum over the terms of variance M(h), with M(h) = (1 + sqrt3 h)
     // exp(-sqrt3 h), h = hypot(chord / around, depth difference / along) and chord = 2 R sin(turned / 2), where turned
     // = toolface difference - turn * depth difference. If the length around of the second term is below 0, the term
-    // repeats after half a turn, as breakouts do: chord = R sin(turned).
+    // repeats after half a turn, as breakouts do: chord = R sin(turned). If that of the first term is below 0, the term
+    // is smooth: M(h) = exp(-h^2 / 2).
     std::vector<double> covariance = {};
     // near_and_far: other covariances that the samples leave about as likely: for each its share of the probability,
     // and nine values as above, of two terms, with the turn and the same R. The share of `covariance` is the rest. A

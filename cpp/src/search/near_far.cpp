@@ -126,6 +126,7 @@ NearFar::NearFar(const Settings& settings, std::size_t number)
     rule_.terms = std::max(terms, 2);  // the second has variance 0 if there is none
     rule_.turn = values.size() % 3 == 0 ? values.back() : 0.0;
     rule_.half_turns = repeats_after_half_a_turn(settings);
+    rule_.smooth = values[3] < 0.0;
     for (int t = 0; t < terms; ++t) {
         const double* term = values.data() + 2 + 3 * t;
         rule_.variance[t] = term[0];

@@ -94,7 +94,7 @@ struct Place {
     std::size_t count;     // of parameters: few or most
     double value = never;  // log-likelihood with the prior, nats a block
     double turn = 0.0;     // degrees a metre
-    bool half_turns = false;
+    bool half_turns = false, smooth = false;
     double share = 1.0;  // of the probability
 };
 
@@ -116,6 +116,7 @@ class Fit {
     Parameters widened(Parameters at) const;
     Place with_turn(const Place& found, const Limits& limits, double least_turn, std::vector<Place>& others);
     Place with_half_turns(const Place& found, const Limits& limits);
+    Place with_smooth(const Place& found, const Limits& limits);
     std::vector<Place> shared(const Place& first, std::vector<Place> others, const Limits& limits);
     Place with_fine(const Place& found, const Limits& limits);
     double row_spacing() const;
@@ -128,6 +129,7 @@ class Fit {
     std::vector<double> toolface_;
     kernel::BlockRoom parts_;
     bool half_turns_ = false;  // whether the long term repeats after half a turn
+    bool smooth_ = false;      // whether the short term is smooth
     Parameters slope_;         // of the last evaluation with slopes
     Matrix curvature_;         // expected second derivatives with the other sign
 };
@@ -182,6 +184,7 @@ double Fit::evaluate(const Parameters& at, std::size_t count, std::size_t nth, b
     rule.noise = exponential(at[noise]);
     rule.terms = count > few ? 3 : 2;
     rule.half_turns = half_turns_;
+    rule.smooth = smooth_;
     // The noise is the last part in the kernel.
     const auto parameter = [&](std::size_t part) { return part + 1 == count ? noise : part < noise ? part : part + 1; };
     for (int t = 0; t < rule.terms; ++t) {
@@ -428,9 +431,23 @@ Place Fit::with_half_turns(const Place& found, const Limits& limits) {
     return found;
 }
 
+// Returns the likeliest parameters with a smooth short term; those found, if they are likelier.
+Place Fit::with_smooth(const Place& found, const Limits& limits) {
+    smooth_ = true;
+    const Place climbed = climb(found.at, few, limits, 1, 20);
+    Place smooth = found;
+    smooth.at = climbed.at, smooth.value = climbed.value;
+    smooth.smooth = true;
+    if (smooth.value > found.value) return smooth;
+    smooth_ = false;
+    return found;
+}
+
 // Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
 Place Fit::with_fine(const Place& found, const Limits& limits) {
-    Place start{found.at, most, never, found.turn, found.half_turns};
+    Place start = found;
+    start.count = most;
+    start.value = never;
     for (const double share : fine_shares)
         for (const double around : fine_around) {
             Parameters at = found.at;
@@ -440,13 +457,12 @@ Place Fit::with_fine(const Place& found, const Limits& limits) {
             at[few + 2] = logarithm(2.5 * around);
             at = limits.clipped(at);
             const double value = evaluate(at, most, 3, false);
-            if (value > start.value) start = {at, most, value, found.turn, found.half_turns};
+            if (value > start.value) start.at = at, start.value = value;
         }
     if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
-    Place fine = climb(start.at, most, limits, 1, 40);
-    fine.turn = found.turn;
-    fine.half_turns = found.half_turns;
-    return fine;
+    const Place climbed = climb(start.at, most, limits, 1, 40);
+    start.at = climbed.at, start.value = climbed.value;
+    return start;
 }
 
 // Returns the place found and others with their shares of the probability, the likeliest first; the positions are then
@@ -512,6 +528,7 @@ std::vector<Place> Fit::likely(double spacing, double least_turn) {
     std::vector<Place> others;
     std::vector<Place> found{with_half_turns(with_turn(unturned, limits, least_turn, others), limits)};
     if (!others.empty()) found = shared(found[0], others, limits);
+    found[0] = with_smooth(found[0], limits);
     Place& best = found[0];
     const Place three = with_fine(best, limits);
     if (three.value > best.value + fine_gain) best = three;
@@ -538,7 +555,8 @@ std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index
         std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
         for (std::size_t p = 0; p < of.count; ++p)
             if (p != noise)
-                values.push_back((of.half_turns && p == long_along - 1 ? -1.0 : 1.0) * rounded(exponential(of.at[p])));
+                values.push_back(((p == 1 && of.smooth) || (p == long_along - 1 && of.half_turns) ? -1.0 : 1.0) *
+                                 rounded(exponential(of.at[p])));
         if (of.turn != 0.0) values.push_back(of.turn);
         found.push_back({std::move(values), of.share});
     }

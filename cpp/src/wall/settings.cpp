@@ -36,7 +36,7 @@ void require_covariance(const char* name, std::span<const double> values, std::s
     for (std::size_t i = 0; i < n - turns; ++i) {
         const bool square = i == 1 || (i >= 2 && i % 3 == 2);
         const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};
-        const double value = i == 6 ? std::abs(values[i]) : values[i];  // below 0: the term repeats after half a turn
+        const double value = i == 3 || i == 6 ? std::abs(values[i]) : values[i];  // below 0: Settings::covariance
         require(value >= least && value <= most, entry(i), values[i],
                 square ? "must lie in 1e-14 to 100" : "must lie in 0.0001 to 1000000");
     }

@@ -119,7 +119,8 @@ class Settings(Declared, group="wall"):
         "shape turns along the hole, by how many degrees a metre. The covariance of two radii is the sum over the "
         "terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / along)^2) and chord = 2 R "
         "sin(turned / 2), where turned = toolface difference - turn * depth difference. A second term whose length "
-        "around is below 0 repeats after half a turn, as breakouts do: chord = R sin(turned). None: not known.",
+        "around is below 0 repeats after half a turn, as breakouts do: chord = R sin(turned). A first term whose "
+        "length around is below 0 is smooth: variance exp(-a^2 / 6). None: not known.",
     ] = None  # fmt: skip
     other_turns: Annotated[tuple[float, ...] | None, TURNS,
         "Other covariances that the samples leave about as likely as ``covariance``, most with other turns: for each "

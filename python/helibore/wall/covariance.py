@@ -7,7 +7,8 @@
 The chord is a distance in space, so C is positive definite whatever the lengths are. One sample also has the noise
 variance. The first term is short, the second is long; a third, fine one is there only if the samples show it. So is the
 turn: a breakout, say, may turn along the hole. If that is much likelier, the long term repeats after half a turn, as
-breakouts and ovals do: its chord is R sin of the whole angle, which is a distance too.
+breakouts and ovals do: its chord is R sin of the whole angle, which is a distance too. If that is likelier, the short
+term is smooth, M(h) = exp(-h^2 / 2), so that a wall without roughness is averaged over more samples.
 
 The parameters maximise the restricted likelihood of the samples; of more than 300, that of small blocks: each block has
 64 samples from a window of the hole; windows are short and long, so that the blocks show what single samples, arms and
@@ -45,7 +46,8 @@ _SAME_DEPTH = 0.5  # metres
 _LEAST_TURN = 120.0
 """Degrees a metre: one to three arms do not show a slower turn. To three, an oval that turns slowly looks like a circle
 off centre that turns the other way, twice as fast."""
-_LONG_AROUND = 6  # index in the setting: below 0 if the term repeats after half a turn
+_SHORT_AROUND, _LONG_AROUND = 3, 6
+"""Indices in the setting: below 0 if the short term is smooth, and if the long term repeats after half a turn."""
 _SEEDING = 100_000  # samples
 
 
@@ -66,6 +68,7 @@ class Covariance:
     radius: float  # R, metres
     turn: float = 0.0  # degrees a metre along the hole
     half_turns: bool = False  # the long term repeats after half a turn
+    smooth: bool = False  # the short term is
 
     def at(self, turn: Floats, along: Floats) -> Floats:
         """Return the covariance of two radii, m^2; ``turn`` (deg) and ``along`` (m) are differences of position."""
@@ -74,13 +77,17 @@ class Covariance:
         chord = 2.0 * self.radius * np.sin(turned / 2.0)
         for number, term in enumerate(self.terms):
             across = self.radius * np.sin(turned) if number == 1 and self.half_turns else chord
-            total += term.variance * _matern(np.sqrt((across / term.around) ** 2 + (along / term.along) ** 2))
+            square = (across / term.around) ** 2 + (along / term.along) ** 2
+            shape = np.exp(-0.5 * square) if number == 0 and self.smooth else _matern(np.sqrt(square))
+            total += term.variance * shape
         return total
 
     @property
     def values(self) -> tuple[float, ...]:
         """The setting ``covariance`` of a wall."""
         values = [self.radius, self.noise, *(value for term in self.terms for value in term)]
+        if self.smooth:
+            values[_SHORT_AROUND] *= -1.0
         if self.half_turns:
             values[_LONG_AROUND] *= -1.0
         return (*values, self.turn) if self.turn else tuple(values)
@@ -163,7 +170,7 @@ def covariance_of(values: Sequence[float]) -> Covariance:
     turn = lengths.pop() if len(lengths) % 3 else 0.0
     half_turns = len(values) > _LONG_AROUND and values[_LONG_AROUND] < 0.0
     terms = tuple(Term(lengths[i], abs(lengths[i + 1]), lengths[i + 2]) for i in range(0, len(lengths), 3))
-    return Covariance(terms, noise, radius, turn, half_turns)
+    return Covariance(terms, noise, radius, turn, half_turns, values[_SHORT_AROUND] < 0.0)
 
 
 def other_turns(likely: Likely) -> tuple[float, ...] | None:

@@ -62,6 +62,22 @@ def test_opposite_sides_are_alike_in_breakouts_not_in_a_key_seat(sides: int, rep
     assert (opposite > 0.9 * beside) == repeats
 
 
+@pytest.mark.parametrize(
+    ("wave", "noise", "smooth"), [("waves", 2e-3, True), ("waves", 3e-4, True), ("steps", 3e-4, False)]
+)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_wall_without_roughness_has_a_smooth_short_term(seed: int, wave: str, noise: float, smooth: bool) -> None:
+    rng = np.random.default_rng(seed)
+    depth, toolface = np.sort(rng.uniform(0.0, 4.0, 6000)), rng.uniform(0.0, 360.0, 6000)
+    phase = 4 * np.radians(toolface) + rng.uniform(0.0, 6.0), 14.0 * depth + rng.uniform(0.0, 6.0)
+    shape = np.cos(sum(phase)) + np.cos(phase[0] - phase[1])
+    shape = shape if wave == "waves" else np.sign(shape)
+    found = fit_covariance((depth, toolface, 0.109 + 1.5e-3 * shape + rng.normal(0.0, noise, depth.size)))
+    assert found is not None
+    assert found.smooth == smooth
+    assert covariance_of(found.values) == found
+
+
 @pytest.mark.parametrize("seed", [1, 5, 6])
 def test_ledges_are_alike_all_around_the_hole(seed: int) -> None:
     rng = np.random.default_rng(seed)

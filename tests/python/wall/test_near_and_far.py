@@ -19,6 +19,7 @@ TURNING = (*TWO, 12.5)
 NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4)
 NOISY_TURNING = (0.11, 8e-6, 2e-6, 0.03, 0.06, 1e-5, 0.1, 3.0, 40.0)
 REPEATING = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, -0.1, 1.5)
+SMOOTH = (0.11, 8e-6, 2e-6, -0.03, 0.1, 9e-7, 0.1, 0.4)
 OTHERS = (0.3, *TURNING, 0.2, *REPEATING, -20.0, 0.1, *NOISY, 0.0)
 
 
@@ -59,6 +60,7 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
     at, noise, *values = given
     turns = values.pop() if len(values) % 3 else 0.0
     repeats = len(values) > 3 and values[4] < 0.0
+    smooth = values[1] < 0.0
     terms = [(values[i], abs(values[i + 1]), values[i + 2]) for i in range(0, len(values), 3)]
     limit = settings.max_distance or np.inf
 
@@ -69,7 +71,10 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
             chords[1] = at * np.sin(turned)
         squares = zip(chords, terms, strict=True)
         a = [np.sqrt(3.0 * ((chord / term[1]) ** 2 + (along / term[2]) ** 2)) for chord, term in squares]
-        return np.asarray(sum(term[0] * (1.0 + x) * np.exp(-x) for term, x in zip(terms, a, strict=True)))
+        shapes = [(1.0 + x) * np.exp(-x) for x in a]
+        if smooth:
+            shapes[0] = np.exp(-(a[0] ** 2) / 6.0)
+        return np.asarray(sum(term[0] * shape for term, shape in zip(terms, shapes, strict=True)))
 
     def kriged(near: list[int], means: list[list[int]], place: float, angle: float) -> tuple[float, float, int]:
         if not (np.hypot(arcs(toolface[near], angle, at), depth[near] - place) <= limit).any():
@@ -153,6 +158,9 @@ CASES: list[dict[str, Any]] = [
     {"shape": "oval", "n": 300, "length": 5.0, "covariance": (*REPEATING, 1e-6, 0.01, 0.02), "neighbors": 21},
     {"shape": "broken", "n": 900, "length": 6.0, "other_turns": OTHERS, "max_distance": 2.0},
     {"shape": "oval", "n": 5000, "length": 4.0, "covariance": (*THREE, 3.0), "other_turns": OTHERS[:10]},
+    {"shape": "spiral", "n": 6000, "length": 3.0, "covariance": SMOOTH},
+    {"shape": "oval", "n": 900, "length": 4.0, "covariance": (0.11, 1e-6, 3e-6, -0.05, 0.2)},
+    {"shape": "broken", "n": 900, "length": 4.0, "covariance": (*SMOOTH, 12.5), "max_distance": 2.0},
 ]
 
 
@@ -172,7 +180,12 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
 SPLITS += [{"covariance": TURNING, "max_distance": 3.0}, {"covariance": REPEATING, "max_distance": 3.0}]
-SPLITS += [{"covariance": NOISY}, {"covariance": NOISY_TURNING}, {"other_turns": OTHERS, "max_distance": 2.0}]
+SPLITS += [
+    {"covariance": NOISY},
+    {"covariance": SMOOTH},
+    {"covariance": NOISY_TURNING},
+    {"other_turns": OTHERS, "max_distance": 2.0},
+]
 
 
 @pytest.mark.parametrize("settings", SPLITS, ids=str)
@@ -277,7 +290,7 @@ def test_samples_of_a_cell_lower_the_kriging_variance_where_noise_is_large() -> 
 BAD = [
     ({"covariance": (0.1, 1e-7)}, "covariance = [0.1, 1e-07]: must have 5, 8 or 11 values, or a turn as one more"),
     ({"covariance": (0.1, 1e-7, 1e-6, 0.0, 0.1)}, "covariance[3] = 0: must lie in 0.0001 to 1000000"),
-    ({"covariance": (0.1, 1e-7, 1e-6, -0.1, 0.1)}, "covariance[3] = -0.1: must lie in 0.0001 to 1000000"),
+    ({"covariance": (0.1, 1e-7, 1e-6, 0.1, -0.1)}, "covariance[4] = -0.1: must lie in 0.0001 to 1000000"),
     ({"covariance": (0.1, np.nan, 1e-6, 0.1, 0.1)}, "covariance[1] = nan: must lie in 1e-14 to 100"),
     ({"covariance": (*ONE, -4000.0)}, "covariance[5] = -4000: must lie in -3600 to 3600 degrees a metre"),
     ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),

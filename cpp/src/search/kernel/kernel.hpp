@@ -94,6 +94,7 @@ struct CovarianceRule {
     double noise, radius;      // radius: R
     double turn;               // degrees a metre: the shape turns so much along the hole
     bool half_turns;           // the second term repeats after half a turn
+    bool smooth;               // the first term is v exp(-h^2 / 2)
 };
 
 // Columns of list_capacity + 1 values; `across` and `along` have 16 more, which may be read. Positions from count on,

@@ -73,12 +73,14 @@ __attribute__((noinline)) void fill_block(const Block& block, const CovarianceRu
         P sum(0.0);
 #pragma GCC unroll 3
         for (int t = 0; t < terms; ++t) {
-            const P e = P(rule.variance[t]) * decay(before[t].whole), part = e * (P(1.0) + before[t].whole);
+            P a = before[t].whole;
+            const P e = P(rule.variance[t]) * decay_of(t, a, rule), part = e * (P(1.0) + a);
             sum = sum + part;
             if constexpr (slopes) {
                 part.store(room.parts[3 * t] + to);
-                (e * before[t].around).store(room.parts[3 * t + 1] + to);
-                (e * before[t].along).store(room.parts[3 * t + 2] + to);
+                const P slope = t == 0 ? e * P(rule.smooth ? 1.0 / 3.0 : 1.0) : e;
+                (slope * before[t].around).store(room.parts[3 * t + 1] + to);
+                (slope * before[t].along).store(room.parts[3 * t + 2] + to);
             }
         }
         sum.store(room.rows + row_before * length + column_before);

@@ -2,7 +2,8 @@
 //
 //     covariance = sum over terms of  v (1 + a) exp(-a),   a^2 = 3 ((2 R sin(turn / 2) / around)^2 + (depth / along)^2)
 //
-// If the second term repeats after half a turn, it has R sin(turn) instead of 2 R sin(turn / 2).
+// If the second term repeats after half a turn, it has R sin(turn) instead of 2 R sin(turn / 2). If the first is smooth,
+// it is v exp(-a^2 / 6).
 //
 // A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group;
 // the toolface also less what the shape turns from there. The sine of half the difference of two toolfaces is then
@@ -66,6 +67,15 @@ inline P square_of_chord(int t, P square, const CovarianceRule& rule) {
     return P::max(square - P(rule.half_turns ? 1.0 : 0.0) * (square * square), P(0.0));  // rounding: below 0
 }
 
+// The exponential of term t at a distance, which becomes the one that it is multiplied by, plus 1.
+template <class P>
+inline P decay_of(int t, P& a, const CovarianceRule& rule) {
+    if (t != 0) return decay(a);
+    const P square = a * a * P(rule.smooth ? 1.0 / 6.0 : 0.0);
+    a = a * P(rule.smooth ? 0.0 : 1.0);
+    return decay(a + square);
+}
+
 // The distances of eight pairs, in each term: what the square roots above give.
 template <class P, int terms>
 struct Distances {
@@ -89,8 +99,9 @@ inline P covariance_at(const Distances<P, terms>& at, const CovarianceRule& rule
     P sum(0.0);
 #pragma GCC unroll 3
     for (int t = 0; t < terms; ++t) {
-        const P a = at.of_term[t];
-        sum = sum + P(rule.variance[t]) * ((P(1.0) + a) * decay(a));
+        P a = at.of_term[t];
+        const P e = decay_of(t, a, rule);
+        sum = sum + P(rule.variance[t]) * ((P(1.0) + a) * e);
     }
     return sum;
 }
