@@ -69,7 +69,7 @@ void extremes() {
         const auto likely = fit_covariance(blocks->columns(), size, 0.11, 0.0, 0.0);
         std::vector<double> values = likely[0].values;
         for (const std::size_t around : {3U, 6U}) values[around] = std::abs(values[around]);  // below 0: of other kinds
-        if (values.size() % 3 == 0) values.pop_back();  // the turn
+        if (values.size() % 3 == 0) values.pop_back();                                        // the turn
         for (const double value : values) CHECK(std::isfinite(value) && value > 0.0);
         double shares = 0.0;
         for (const LikelyCovariance& of : likely) shares += of.share;

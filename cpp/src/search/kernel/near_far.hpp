@@ -2,8 +2,8 @@
 //
 //     covariance = sum over terms of  v (1 + a) exp(-a),   a^2 = 3 ((2 R sin(turn / 2) / around)^2 + (depth / along)^2)
 //
-// If the second term repeats after half a turn, it has R sin(turn) instead of 2 R sin(turn / 2). If the first is smooth,
-// it is v exp(-a^2 / 6).
+// If the second term repeats after half a turn, it has R sin(turn) instead of 2 R sin(turn / 2). If the first is
+// smooth, it is v exp(-a^2 / 6).
 //
 // A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group;
 // the toolface also less what the shape turns from there. The sine of half the difference of two toolfaces is then
