@@ -219,10 +219,10 @@ def mesh_digest(wall: hb.Wall, start: float, stop: float, file: Path) -> str:
 
 
 def shown_zones(wall: hb.Wall) -> list[dict[str, Any]]:
-    """The zones as the live page gets them."""
+    """The zones as the live page gets them, without the intervals of their sizes, which only rig mode names."""
     feed = Feed(wall, path=None, attributes={}, well="")
     feed.find_zones()
-    return [dict(zone) for zone in feed.scene.state.zones]
+    return [{name: of for name, of in zone.items() if name != "within"} for zone in feed.scene.state.zones]
 
 
 def compare(wanted: WallSummary, found: dict[str, Any]) -> None:
