@@ -172,7 +172,7 @@ void main() {
   vec4 near = around(at, 1, stepAlong());
   wall = 0.0;
   if (median == 0 && r > 0.0) {
-    vec4 far = around(at, max(K / 12, 1), K * max(stride, int(0.5 * bitRadius / abs(pitch))));
+    vec4 far = around(at, max(K / 24, 1), K * max(stride, int(0.5 * bitRadius / abs(pitch))));
     far = mix(far.yxwz, far, step(0.0, far));
     far = mix(vec4(r), far, step(0.0, far));
     wall = 0.5 * min(min(far.x, far.y) + min(far.z, far.w), min(far.x + far.y, far.z + far.w)); // mean of the two least: a cleft may pass through the others
