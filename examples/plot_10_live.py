@@ -2,7 +2,7 @@
 While the hole is drilled
 =========================
 
-Every append says which vertices changed. The end has the same bits as one batch.
+Every append says which vertices changed. The end has the same bits as one batch with its settings.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,7 @@ for start in range(0, measured.depth.size, 500):
     change = wall.append(*(values[start : start + 500] for values in columns))
     sizes.append(len(wall))
     settled.append(change.settled)
-assert wall.radius.tobytes() == hb.reconstruct(hb.Caliper(*columns), bit_diameter=0.216).radius.tobytes()
+assert wall.radius.tobytes() == hb.reconstruct(hb.Caliper(*columns), **vars(wall.settings)).radius.tobytes()
 
 figure, axes = plt.subplots(figsize=(6, 3))
 axes.step(range(len(sizes)), sizes, label="vertices")
