@@ -331,7 +331,8 @@ def test_a_cleft_is_darker_from_inside_the_deeper_it_is(browser: Any) -> None:
         " const at = (depth) => { const { centre, high } = path.at(depth);"
         "  return gpu.project({ centre: centre.map((one, i) => one - store.bitRadius * high[i]) }, wall); };"
         " const [x] = at(1001.5);"
-        " return [x - wall.left - 20, (3 * at(1001.488)[1] + at(1001.512)[1]) / 4, at(1001.56)[1]]; })(window.__wall.app)"
+        " const quarter = (3 * at(1001.488)[1] + at(1001.512)[1]) / 4;"
+        " return [x - wall.left - 20, quarter, at(1001.56)[1]]; })(window.__wall.app)"
     )
     light = []
     for depth in (0.001, 0.006, 0.045):
