@@ -51,8 +51,8 @@ def wall_of_samples(
     if prepared is None:
         return wall
     if prepared.earlier is not None:
-        of_tool: WallSettings = settings | {"arm_biases": None}  # the tool of the earlier pass is another one
-        compare(wall, wall_of(prepared.earlier, bit_diameter=bit_diameter, threads=threads, **of_tool))
+        alike = vars(wall.settings) | {"arm_biases": None}  # the tool of the earlier pass is another one
+        compare(wall, wall_of(prepared.earlier, threads=threads, **alike))
     if lines := [*map(list, prepared.report), *(["passes", sentence] for sentence in _odd_passes(wall, prepared))]:
         wall.made_from["preparation"] = lines
     if prepared.echo_accuracy is not None:

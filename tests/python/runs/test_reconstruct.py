@@ -12,6 +12,8 @@ from click.testing import CliRunner
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.preparation.passes import difference
+from helibore.wall.interpolation import on_quads
 
 BIT = 0.216
 STEPS = hb.Preparation(greatest_radius=0.12, spikes=6, toolface_from="north", passes=(1, 2), earlier=(1,))
@@ -62,6 +64,21 @@ def test_the_difference_is_that_of_the_passes(file: Path, path: hb.Path) -> None
     known = wall.attributes["difference"][np.isfinite(wall.attributes["difference"])]
     np.testing.assert_allclose(known, 0.001, atol=4e-4)  # noise of 0.2 mm, eight neighbours, four corners
     assert "difference" in wall.surface().attributes
+
+
+def test_walls_that_are_compared_have_one_estimator(file: Path) -> None:
+    """Else their difference would be that of two estimators, where one pass has fewer samples than the others."""
+    steps = hb.Preparation(greatest_radius=0.12, passes=(1, 2), earlier=(1,))
+    prepared = hb.prepare(hb.open(file).readings(), steps)
+    assert prepared.earlier is not None
+    one = prepared.earlier
+    few = hb.Caliper(one.depth[::60], one.toolface[::60], one.radius[::60])
+    wall = hb.reconstruct(replace(prepared, earlier=few), **SETTINGS, estimator="automatic")
+    assert wall.settings.estimator != "inverse-distance", "which so few samples alone would get"
+    earlier = hb.reconstruct(few, **vars(wall.settings))
+    expected = on_quads(difference(earlier, wall), wall.settings.sectors)
+    assert np.isfinite(expected).sum() > 250
+    np.testing.assert_array_equal(wall.attributes["difference"], expected)
 
 
 def test_the_wall_has_the_lines_on_its_readings_and_on_what_one_pass_sees(file: Path) -> None:
