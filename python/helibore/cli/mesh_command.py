@@ -1,7 +1,7 @@
 """``helibore reconstruct`` and ``helibore mesh``: write a wall as a mesh, a volume of hexahedra, or an archive.
 
 Both commands have the same options and write the same files: `reconstruct` is the usual name for caliper files, `mesh`
-for an archive, an average caliper or a gauge hole. `reconstruct` prints the cross-validated error of the wall.
+for an archive, an average caliper or a gauge hole. `reconstruct` prints what error to expect.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -40,6 +41,15 @@ CLOCK = r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d (UTC|[+−]\d\d:\d\d)"
 def viewer() -> Iterator[Any]:
     wall = MadeWall(40_000)
     with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1") as viewer:
+        yield viewer
+
+
+@contextmanager
+def picked_fracture() -> Iterator[Any]:
+    """Show a wall with the pick F1 at 1018 m."""
+    with hb.view(MadeWall(60_000), path=curved_path()) as viewer:
+        pick = Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0, note="F1")
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
         yield viewer
 
 
@@ -383,10 +393,7 @@ def test_inside_is_true_to_scale_with_depths_however_long_the_section_is(browser
 
 
 def test_picks_are_switched_off_where_curves_are_and_stay_so_in_the_address(browser: Any) -> None:
-    wall = MadeWall(60_000)
-    with hb.view(wall, path=curved_path()) as viewer:
-        pick = Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0, note="F1")
-        viewer.scene.change_picks(lambda picks: picks.put(pick))
+    with picked_fracture() as viewer:
         screen = Screen(browser, viewer.url, "#md=1018&sec=10&camera=down&at=1018_40", (1366, 768), drawn=False)
         named = "document.getElementById('ink').labels.filter(({ text }) => /^F1|fracture/.test(text)).length"
         eye = "window.__wall.app.renderer.gpu.camera.position"
@@ -412,10 +419,7 @@ def test_picks_are_switched_off_where_curves_are_and_stay_so_in_the_address(brow
 
 
 def test_inside_the_line_of_a_pick_leaves_its_cleft_free(browser: Any) -> None:
-    wall = MadeWall(60_000)
-    with hb.view(wall, path=curved_path()) as viewer:
-        pick = Pick(kind="fracture", depth=1018.0, toolface=40.0, apparent_dip=40.0, note="F1")
-        viewer.scene.change_picks(lambda picks: picks.put(pick))
+    with picked_fracture() as viewer:
         screen = Screen(browser, viewer.url, "#md=1018&sec=10&camera=down&at=1018&tab=3d", (1366, 768), drawn=False)
         screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'F1')")
         covered = screen.evaluate(

@@ -46,8 +46,8 @@ export function planInWords(look) {
   const [end, most] = [all[all.length - 1], all.reduce((far, one) => (one.away > far.away ? one : far), all[0])];
   /** @param {typeof end} of */
   const words = ({ depth, away, sides }) => {
-    const told = sides.filter(([far]) => far >= 0.05).map(([far, side]) => `${showDepth(far, units, 1)} ${side}`).join(', ');
-    return [`${showDepth(away, units, 1)} off it at ${showDepth(depth, units, 0)}`, ...(told ? [`there ${told}`] : [])];
+    const parts = sides.filter(([far]) => far >= 0.05).map(([far, side]) => `${showDepth(far, units, 1)} ${side}`).join(', ');
+    return [`${showDepth(away, units, 1)} off it at ${showDepth(depth, units, 0)}`, ...(parts ? [`there ${parts}`] : [])];
   };
   const [first, ...sides] = end ? words(end) : [];
   return ['dashed: planned path', ...(!end ? [] : most.away - end.away < 0.05 ? [`${first}, the most`, ...sides] : [first, ...sides, `at most ${words(most)[0]}`])];
