@@ -308,20 +308,20 @@ void register_wall(py::module_& m) {
     m.def(
         "fit_covariance",
         [](const std::array<Column, 3>& samples, Index block_size, double radius, double spacing, double least_turn,
-           const std::string& instruction_set) {
+           int threads, const std::string& instruction_set) {
             const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
             const InstructionSet level = instruction_set_named(instruction_set);
             std::vector<LikelyCovariance> found;
             {
                 const WithoutGil released;
-                found = fit_covariance(columns, block_size, radius, spacing, least_turn, level);
+                found = fit_covariance(columns, block_size, radius, spacing, least_turn, threads, level);
             }
             py::list all;
             for (const LikelyCovariance& of : found) all.append(py::make_tuple(of.values, of.share));
             return all;
         },
         py::arg("samples"), py::arg("block_size"), py::arg("radius"), py::arg("spacing"), py::arg("least_turn"),
-        py::arg("instruction_set") = "automatic");
+        py::arg("threads"), py::arg("instruction_set") = "automatic");
     m.def(
         "calibrate",
         [](const std::array<Column, 3>& samples, const py::array_t<Index>& rows, const std::array<Column, 2>& boxes,

@@ -62,6 +62,7 @@ def fit_covariance(
     radius: float,
     spacing: float,
     least_turn: float,
+    threads: int,
     instruction_set: str = "automatic",
 ) -> list[tuple[list[float], float]]: ...
 def calibrate(

@@ -34,7 +34,7 @@ void every_instruction_set_finds_the_same() {
     for (const std::size_t size : {20U, 64U, 75U}) {
         const Blocks blocks(size == 75 ? 1 : 3, size, 3e-4);
         const auto fitted = [&](InstructionSet level) {
-            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 0.0, 0.0, level)[0].values;
+            return fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 0.0, 0.0, 1, level)[0].values;
         };
         const std::vector<double> plain = fitted(InstructionSet::plain);
         CHECK(plain.size() >= 8 && plain.size() <= 12);

@@ -25,7 +25,7 @@ struct LikelyCovariance {
 //
 // Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
-                                             double spacing, double least_turn,
+                                             double spacing, double least_turn, int threads = 1,
                                              InstructionSet instruction_set = InstructionSet::automatic);
 
 }  // namespace helibore

@@ -16,6 +16,7 @@
 #include "base/exponential.hpp"
 #include "base/host_memory.hpp"
 #include "base/messages.hpp"
+#include "base/threads.hpp"
 #include "samples/helix.hpp"
 #include "samples/step.hpp"
 #include "search/kernel/instruction_set.hpp"
@@ -65,6 +66,7 @@ constexpr double likely_enough = 100.0;  // nats a block below the highest peak:
 constexpr std::size_t long_along = 5;    // index of the length along the hole of the long term
 constexpr double least_share = 0.7;      // of the spacing of samples: the long term along the hole
 constexpr double enough = 0.003;         // nats a block; a smaller gain ends the search
+constexpr int most_useful_threads = 8;
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -98,51 +100,72 @@ struct Place {
     double share = 1.0;  // of the probability
 };
 
+struct Slopes {
+    Parameters slope;
+    Matrix curvature;  // expected second derivatives with the other sign
+};
+
+// Memory of one worker for blocks of up to `size` samples.
+struct Room {
+    std::vector<double> sine, cosine, numbers;
+    kernel::BlockRoom parts;
+    explicit Room(std::size_t size) : sine(size), cosine(size) {
+        const std::size_t square = size * size;
+        numbers.resize((2 + 1 + most + 1) * square + (lanes + 3) * size);
+        double* next = numbers.data();
+        const auto take = [&](std::size_t count) { return std::exchange(next, next + count); };
+        parts.rows = take(2 * square + lanes * size);
+        parts.factors = take(square);
+        parts.inverses = take(size);
+        parts.vectors = take(2 * size);
+        for (double*& part : parts.parts) part = take(square);
+    }
+};
+using Rooms = std::span<Room>;  // one for each thread
+
 class Fit {
   public:
-    Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
+    Fit(const SampleColumns& samples, std::size_t block_size, double radius, int threads, InstructionSet level);
     // Returns the likeliest place; others follow if the samples leave them about as likely.
     std::vector<Place> likely(double spacing, double least_turn);
 
   private:
-    double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
-    Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
-    Place likeliest_start(const Limits& limits);
-    Place near_turn(const Place& start, const Limits& limits, double step, std::size_t nth);
-    Place at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth);
-    std::vector<Place> peaks(const Parameters& at, Turns turns, const Limits& limits);
-    std::vector<Place> peaks(const Parameters& one, Turns turns, const Parameters& other, Turns others,
-                             const Limits& limits);
-    Parameters widened(Parameters at) const;
-    Place with_turn(const Place& found, const Limits& limits, double least_turn, std::vector<Place>& others);
-    Place with_half_turns(const Place& found, const Limits& limits);
-    Place with_smooth(const Place& found, const Limits& limits);
-    std::vector<Place> shared(const Place& first, std::vector<Place> others, const Limits& limits);
-    Place with_fine(const Place& found, const Limits& limits);
+    kernel::CovarianceRule rule_of(const Place& of) const;
+    bool block_terms(std::size_t b, const Place& of, const kernel::CovarianceRule& rule, bool slopes, Room& room,
+                     kernel::BlockTerms& terms) const;
+    double evaluate(const Place& of, std::size_t nth, Rooms rooms, Slopes* slopes = nullptr) const;
+    Place climb(Place from, std::size_t nth, int steps, Rooms rooms) const;
+    template <class Job>
+    void each_place(std::span<Place> places, const Job& job);
+    Place likeliest_start(const Place& kind);
+    Place near_turn(const Place& start, double step, std::size_t nth, Rooms rooms) const;
+    Place at_turn(const Place& from, double turn, std::span<const double> along, std::size_t nth, Rooms rooms) const;
+    std::vector<Place> peaks(const Place& from, Turns turns);
+    std::vector<Place> peaks(const Place& one, Turns turns, const Place& other, Turns others);
+    Place widened(Place from) const;
+    Place with_turn(const Place& found, double least_turn, std::vector<Place>& others);
+    Place with_half_turns(const Place& found);
+    Place with_smooth(const Place& found);
+    std::vector<Place> shared(const Place& first, std::vector<Place> others);
+    Place with_fine(const Place& found);
     double row_spacing() const;
-    void turn_by(double turn);
 
     kernel::BlockLikelihood likelihood_;
     double radius_, least_noise_;
     std::size_t n_, size_, blocks_;
-    std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
-    std::vector<double> toolface_;
-    kernel::BlockRoom parts_;
-    bool half_turns_ = false;  // whether the long term repeats after half a turn
-    bool smooth_ = false;      // whether the short term is smooth
-    Parameters slope_;         // of the last evaluation with slopes
-    Matrix curvature_;         // expected second derivatives with the other sign
+    std::vector<double> toolface_, along_, off_;  // off_: radii less the mean of their block
+    Limits limits_{};
+    std::vector<Room> rooms_;
 };
 
-Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level)
+Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, int threads, InstructionSet level)
     : likelihood_(kernel::likelihood_for(level)),
       radius_(radius),
       least_noise_(std::clamp(std::pow(step_of(samples.radius), 2) / 48.0, 1e-12, 1e-3)),
       n_(block_size),
       size_((block_size + lanes - 1) / lanes * lanes),
       blocks_(samples.depth.size() / block_size) {
-    for (std::vector<double>& column : columns_) column.resize(blocks_ * size_);
-    toolface_.resize(blocks_ * size_);
+    for (std::vector<double>* column : {&toolface_, &along_, &off_}) column->resize(blocks_ * size_);
     for (std::size_t b = 0; b < blocks_; ++b) {
         double mean = 0.0;
         for (std::size_t i = 0; i < n_; ++i) mean += samples.radius[b * n_ + i];
@@ -150,91 +173,106 @@ Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, In
         for (std::size_t i = 0; i < n_; ++i) {
             const std::size_t from = b * n_ + i, to = b * size_ + i;
             toolface_[to] = samples.toolface[from];
-            columns_[2][to] = samples.depth[from];
-            columns_[3][to] = samples.radius[from] - mean;
+            along_[to] = samples.depth[from];
+            off_[to] = samples.radius[from] - mean;
         }
     }
-    turn_by(0.0);
-    const std::size_t square = size_ * size_;
-    room_.resize((2 + 1 + most + 1) * square + (lanes + 3) * size_);
-    double* next = room_.data();
-    const auto take = [&](std::size_t count) { return std::exchange(next, next + count); };
-    parts_.rows = take(2 * square + lanes * size_);
-    parts_.factors = take(square);
-    parts_.inverses = take(size_);
-    parts_.vectors = take(2 * size_);
-    for (double*& part : parts_.parts) part = take(square);
+    for (int t = 0; t < std::min(threads, most_useful_threads); ++t) rooms_.emplace_back(size_);
 }
 
-// Sets the positions for a shape that turns along the hole.
-void Fit::turn_by(double turn) {
-    for (std::size_t b = 0; b < blocks_; ++b)
-        for (std::size_t i = b * size_; i < b * size_ + n_; ++i) {
-            const double turned = toolface_[i] - turn * (columns_[2][i] - columns_[2][b * size_]);
-            const auto half = sine_cosine_of_radians(wrap_toolface(turned) * (std::numbers::pi / 360.0));
-            columns_[0][i] = half.sine;
-            columns_[1][i] = half.cosine;
-        }
+// Returns the number of the parameter of a part in the kernel, where the noise is the last one.
+std::size_t parameter_of(std::size_t part, std::size_t count) {
+    return part + 1 == count ? noise : part < noise ? part : part + 1;
 }
 
-// Returns the log-likelihood with the prior, of every nth block; with slopes, also sets slope_ and curvature_.
-double Fit::evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes) {
+kernel::CovarianceRule Fit::rule_of(const Place& of) const {
     kernel::CovarianceRule rule{};
     rule.radius = radius_;
-    rule.noise = exponential(at[noise]);
-    rule.terms = count > few ? 3 : 2;
-    rule.half_turns = half_turns_;
-    rule.smooth = smooth_;
-    // The noise is the last part in the kernel.
-    const auto parameter = [&](std::size_t part) { return part + 1 == count ? noise : part < noise ? part : part + 1; };
-    for (int t = 0; t < rule.terms; ++t) {
-        const auto of = [&](std::size_t i) { return exponential(at[parameter(3 * static_cast<std::size_t>(t) + i)]); };
-        const double around = 2.0 * radius_ / of(1), along = of(2);
-        rule.variance[t] = of(0);
+    rule.noise = exponential(of.at[noise]);
+    rule.terms = of.count > few ? 3 : 2;
+    rule.half_turns = of.half_turns;
+    rule.smooth = of.smooth;
+    for (std::size_t t = 0; t < static_cast<std::size_t>(rule.terms); ++t) {
+        const auto value = [&](std::size_t i) { return exponential(of.at[parameter_of(3 * t + i, of.count)]); };
+        const double around = 2.0 * radius_ / value(1), along = value(2);
+        rule.variance[t] = value(0);
         rule.around[t] = 3.0 * around * around;
         rule.along[t] = 3.0 / (along * along);
     }
-    if (slopes) slope_ = {}, curvature_ = {};
-    double sum = 0.0, blocks = 0.0;
-    for (std::size_t b = 0; b < blocks_; b += nth, blocks += 1.0) {
-        const auto column = [&](int i) { return columns_[i].data() + b * size_; };
-        const kernel::Block block{
-            static_cast<int>(n_), static_cast<int>(size_), column(0), column(1), column(2), column(3)};
+    return rule;
+}
+
+// Sets the terms of a block. Returns whether its covariance is positive definite.
+bool Fit::block_terms(std::size_t b, const Place& of, const kernel::CovarianceRule& rule, bool slopes, Room& room,
+                      kernel::BlockTerms& terms) const {
+    const std::size_t first = b * size_;
+    for (std::size_t i = 0; i < n_; ++i) {
+        const double turned = toolface_[first + i] - of.turn * (along_[first + i] - along_[first]);
+        const auto half = sine_cosine_of_radians(wrap_toolface(turned) * (std::numbers::pi / 360.0));
+        room.sine[i] = half.sine;
+        room.cosine[i] = half.cosine;
+    }
+    const kernel::Block block{static_cast<int>(n_), static_cast<int>(size_), room.sine.data(),
+                              room.cosine.data(),   along_.data() + first,   off_.data() + first};
+    return likelihood_(block, rule, slopes, room.parts, terms);
+}
+
+// Returns the log-likelihood with the prior, of every nth block, which the threads share; with slopes, also sets these.
+double Fit::evaluate(const Place& of, std::size_t nth, Rooms rooms, Slopes* slopes) const {
+    struct Value {
+        double value = never;
         kernel::BlockTerms terms;
-        if (!likelihood_(block, rule, slopes, parts_, terms)) return never;
-        sum += logarithm(terms.ones) + terms.rest;
-        for (std::size_t k = 0; k < n_; ++k) sum -= logarithm(parts_.inverses[k]);
+    };
+    const kernel::CovarianceRule rule = rule_of(of);
+    std::vector<Value> each((blocks_ + nth - 1) / nth);
+    for_each_part(static_cast<int>(rooms.size()), std::ssize(each), [&](int worker, Index part) {
+        const auto number = static_cast<std::size_t>(part);
+        Room& room = rooms[static_cast<std::size_t>(worker)];
+        Value& to = each[number];
+        if (!block_terms(number * nth, of, rule, slopes != nullptr, room, to.terms)) return;
+        to.value = logarithm(to.terms.ones) + to.terms.rest;
+        for (std::size_t k = 0; k < n_; ++k) to.value -= logarithm(room.parts.inverses[k]);
+    });
+    const std::size_t count = of.count;
+    double sum = 0.0;
+    if (slopes) *slopes = {};
+    for (const Value& from : each) {
+        if (from.value == never) return never;
+        sum += from.value;
         if (!slopes) continue;
         for (std::size_t p = 0; p < count; ++p) {
-            slope_[parameter(p)] += terms.square[p] - terms.trace[p];
-            for (std::size_t q = 0; q <= p; ++q) curvature_[parameter(p)][parameter(q)] += terms.product[p][q];
+            slopes->slope[parameter_of(p, count)] += from.terms.square[p] - from.terms.trace[p];
+            for (std::size_t q = 0; q <= p; ++q)
+                slopes->curvature[parameter_of(p, count)][parameter_of(q, count)] += from.terms.product[p][q];
         }
     }
+    const auto blocks = static_cast<double>(each.size());
     double value = -0.5 * sum / blocks;
-    const double ratio = at[0] + logarithm(4.0) - at[noise];
+    const double ratio = of.at[0] + logarithm(4.0) - of.at[noise];
     value -= ratio_prior * ratio * ratio;
     double off[few];
     for (std::size_t p = 0; p < few; ++p) {
-        off[p] = at[p] - logarithm(expected[p]);
+        off[p] = of.at[p] - logarithm(expected[p]);
         value -= priors[p] * off[p] * off[p];
     }
     if (!slopes) return value;
+    auto& [slope, curvature] = *slopes;
     for (std::size_t p = 0; p < count; ++p) {
-        slope_[p] *= 0.5 / blocks;
-        curvature_[p][p] *= 0.5 / blocks;
+        slope[p] *= 0.5 / blocks;
+        curvature[p][p] *= 0.5 / blocks;
         for (std::size_t q = 0; q < p; ++q) {
-            const double both = curvature_[p][q] + curvature_[q][p];  // one of them is 0
-            curvature_[p][q] = curvature_[q][p] = both * (0.5 / blocks);
+            const double both = curvature[p][q] + curvature[q][p];  // one of them is 0
+            curvature[p][q] = curvature[q][p] = both * (0.5 / blocks);
         }
     }
     for (std::size_t p = 0; p < few; ++p) {
-        slope_[p] -= 2.0 * priors[p] * off[p];
-        curvature_[p][p] += 2.0 * priors[p];
+        slope[p] -= 2.0 * priors[p] * off[p];
+        curvature[p][p] += 2.0 * priors[p];
     }
     for (const auto& [p, sign] : {std::pair{std::size_t{0}, 1.0}, std::pair{noise, -1.0}}) {
-        slope_[p] -= sign * 2.0 * ratio_prior * ratio;
-        curvature_[p][0] += sign * 2.0 * ratio_prior;
-        curvature_[p][noise] -= sign * 2.0 * ratio_prior;
+        slope[p] -= sign * 2.0 * ratio_prior * ratio;
+        curvature[p][0] += sign * 2.0 * ratio_prior;
+        curvature[p][noise] -= sign * 2.0 * ratio_prior;
     }
     return value;
 }
@@ -260,43 +298,54 @@ Parameters solve(Matrix a, Parameters b, const std::array<bool, most>& free, std
     return x;
 }
 
-Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps) {
-    Place now{at, count, evaluate(at, count, nth, true)};
+Place Fit::climb(Place now, std::size_t nth, int steps, Rooms rooms) const {
+    Slopes of;
+    now.value = evaluate(now, nth, rooms, &of);
     if (now.value == never) return now;
     double damping = 1e-2;
     for (int step = 0; step < steps; ++step) {
         std::array<bool, most> free{};
-        for (std::size_t p = 0; p < count; ++p)
-            free[p] =
-                !((now.at[p] <= limits.low[p] && slope_[p] < 0.0) || (now.at[p] >= limits.high[p] && slope_[p] > 0.0));
-        Place found{now.at, count};
+        for (std::size_t p = 0; p < now.count; ++p)
+            free[p] = !((now.at[p] <= limits_.low[p] && of.slope[p] < 0.0) ||
+                        (now.at[p] >= limits_.high[p] && of.slope[p] > 0.0));
+        Place found = now;
+        found.value = never;
         for (int attempt = 0; attempt < 6 && !(found.value > now.value); ++attempt) {
             if (attempt > 0) damping *= 6.0;
-            Matrix damped = curvature_;
-            for (std::size_t p = 0; p < count; ++p) damped[p][p] += damping * (damped[p][p] + 0.01);
-            const Parameters by = solve(damped, slope_, free, count);
+            Matrix damped = of.curvature;
+            for (std::size_t p = 0; p < now.count; ++p) damped[p][p] += damping * (damped[p][p] + 0.01);
+            const Parameters by = solve(damped, of.slope, free, now.count);
             found.at = now.at;
-            for (std::size_t p = 0; p < count; ++p) found.at[p] += std::clamp(by[p], -2.0, 2.0);
-            found.at = limits.clipped(found.at);
-            found.value = evaluate(found.at, count, nth, false);
+            for (std::size_t p = 0; p < now.count; ++p) found.at[p] += std::clamp(by[p], -2.0, 2.0);
+            found.at = limits_.clipped(found.at);
+            found.value = evaluate(found, nth, rooms);
         }
         if (!(found.value > now.value)) break;
         const double gain = found.value - now.value;
         now = found;
         damping /= 5.0;
         if (gain < enough && (blocks_ > 1 || damping < 1e-2)) break;
-        evaluate(now.at, count, nth, true);
+        evaluate(now, nth, rooms, &of);
     }
     return now;
 }
 
+// Calls job(place, rooms) for each place; the threads share the places.
+template <class Job>
+void Fit::each_place(std::span<Place> places, const Job& job) {
+    for_each_part(static_cast<int>(rooms_.size()), std::ssize(places), [&](int worker, Index part) {
+        job(places[static_cast<std::size_t>(part)], Rooms(rooms_).subspan(static_cast<std::size_t>(worker), 1));
+    });
+}
+
 // Returns the place with this turn, and with the likeliest of these lengths along the hole, by every nth block.
-Place Fit::at_turn(const Parameters& at, double turn, std::span<const double> along, std::size_t nth) {
-    turn_by(turn);
-    Place best{at, few, never, turn}, each = best;
+Place Fit::at_turn(const Place& from, double turn, std::span<const double> along, std::size_t nth, Rooms rooms) const {
+    Place best = from, each = from;
+    best.value = never;
+    best.turn = each.turn = turn;
     for (const double length : along) {
         each.at[long_along] = logarithm(length);
-        each.value = evaluate(each.at, few, nth, false);
+        each.value = evaluate(each, nth, rooms);
         if (each.value > best.value) best = each;
     }
     return best;
@@ -304,27 +353,28 @@ Place Fit::at_turn(const Parameters& at, double turn, std::span<const double> al
 
 // Returns the likeliest parameters and turn near a place, by every nth block; the turn within twice the step. The
 // nearer the turn is, the longer is the shape along the hole.
-Place Fit::near_turn(const Place& start, const Limits& limits, double step, std::size_t nth) {
-    turn_by(start.turn);
-    Place now = climb(start.at, few, limits, nth, 8);
-    now.turn = start.turn;
+Place Fit::near_turn(const Place& start, double step, std::size_t nth, Rooms rooms) const {
+    Place now = climb(start, nth, 8, rooms);
     for (; step > 0.05; step *= 0.5) {
         const double along = exponential(now.at[long_along]), lengths[] = {along, 2.0 * along};
-        const Place less = at_turn(now.at, now.turn - step, lengths, nth),
-                    more = at_turn(now.at, now.turn + step, lengths, nth);
+        const Place less = at_turn(now, now.turn - step, lengths, nth, rooms),
+                    more = at_turn(now, now.turn + step, lengths, nth, rooms);
         const Place& nearer = less.value > more.value ? less : more;
         if (nearer.value > now.value) now = nearer;
     }
-    now.at = limits.clipped(now.at);
+    now.at = limits_.clipped(now.at);
     now.turn = rounded(now.turn);
     return now;
 }
 
 // Returns the highest peaks of the likelihood at turns between two, climbed.
-std::vector<Place> Fit::peaks(const Parameters& at, Turns turns, const Limits& limits) {
+std::vector<Place> Fit::peaks(const Place& from, Turns turns) {
     std::vector<Place> tried, found;
-    for (double turn = turns.from; turn <= turns.to; turn += turns.step)
-        tried.push_back(at_turn(at, turn, turns.along, 2));
+    for (double turn = turns.from; turn <= turns.to; turn += turns.step) {
+        tried.push_back(from);
+        tried.back().turn = turn;
+    }
+    each_place(tried, [&](Place& each, Rooms rooms) { each = at_turn(each, each.turn, turns.along, 2, rooms); });
     for (std::size_t i = 0; i < tried.size(); ++i)
         if ((i == 0 || tried[i - 1].value < tried[i].value) &&
             (i + 1 == tried.size() || tried[i + 1].value <= tried[i].value))
@@ -333,7 +383,7 @@ std::vector<Place> Fit::peaks(const Parameters& at, Turns turns, const Limits& l
     found.resize(std::min(found.size(), most_peaks));
     const double highest = found.empty() ? never : found.front().value;
     std::erase_if(found, [&](const Place& each) { return each.value < highest - likely_enough; });
-    for (Place& each : found) each = near_turn(each, limits, turns.step / 2.0, 2);
+    each_place(found, [&](Place& each, Rooms rooms) { each = near_turn(each, turns.step / 2.0, 2, rooms); });
     return found;
 }
 
@@ -344,7 +394,7 @@ double Fit::row_spacing() const {
     for (std::size_t b = 0; b < blocks_; ++b) {
         gaps.clear();
         for (std::size_t i = b * size_ + 1; i < b * size_ + n_; ++i)
-            if (columns_[2][i] > columns_[2][i - 1]) gaps.push_back(columns_[2][i] - columns_[2][i - 1]);
+            if (along_[i] > along_[i - 1]) gaps.push_back(along_[i] - along_[i - 1]);
         if (gaps.empty()) continue;
         const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
         std::ranges::nth_element(gaps, middle);
@@ -354,31 +404,30 @@ double Fit::row_spacing() const {
 }
 
 // Returns the peaks of two ranges of turns together.
-std::vector<Place> Fit::peaks(const Parameters& one, Turns turns, const Parameters& other, Turns others,
-                              const Limits& limits) {
-    std::vector<Place> found = peaks(one, turns, limits);
-    for (const Place& each : peaks(other, others, limits)) found.push_back(each);
+std::vector<Place> Fit::peaks(const Place& one, Turns turns, const Place& other, Turns others) {
+    std::vector<Place> found = peaks(one, turns);
+    for (const Place& each : peaks(other, others)) found.push_back(each);
     return found;
 }
 
-// Returns parameters for a wide shape, from which a turn is sought.
-Parameters Fit::widened(Parameters at) const {
-    at[long_along - 1] = logarithm(2.0 * radius_);
-    at[noise] = std::max(at[noise], at[long_along - 2] + logarithm(0.02));
-    return at;
+// Returns a wide shape, from which a turn is sought.
+Place Fit::widened(Place from) const {
+    from.at[long_along - 1] = logarithm(2.0 * radius_);
+    from.at[noise] = std::max(from.at[noise], from.at[long_along - 2] + logarithm(0.02));
+    return from;
 }
 
-// Returns the likeliest parameters of a shape that turns; those found, if the samples do not show that it turns, and
-// whereto. The positions are then turned so. `others` become the places with turns that are about as likely.
-Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn, std::vector<Place>& others) {
-    const Parameters wide = widened(found.at);
-    std::vector<Place> likely = peaks(found.at, slowly, wide, slowly, limits);
+// Returns the likeliest shape that turns; the one found, if the samples do not show that it turns, and whereto.
+// `others` become the places with turns that are about as likely.
+Place Fit::with_turn(const Place& found, double least_turn, std::vector<Place>& others) {
+    const Place wide = widened(found);
+    std::vector<Place> likely = peaks(found, slowly, wide, slowly);
     if (likely.empty()) return found;
     Place best = *std::ranges::max_element(likely, {}, &Place::value);
     // Rows of arms cannot tell an oval that turns by half a turn from one row to the next from one that does not turn.
     const double fastest = std::min(fast, 90.0 / row_spacing());
     const std::vector<Place> spirals =
-        peaks(wide, {-fastest, -slow, fast_step, fast_along}, wide, {slow, fastest, fast_step, fast_along}, limits);
+        peaks(wide, {-fastest, -slow, fast_step, fast_along}, wide, {slow, fastest, fast_step, fast_along});
     const double gain = blocks_ > 1 ? small_gain : great_gain;
     const auto spiral = std::ranges::max_element(spirals, {}, &Place::value);
     if (spiral != spirals.end() && spiral->value > best.value + gain) {
@@ -388,93 +437,81 @@ Place Fit::with_turn(const Place& found, const Limits& limits, double least_turn
     bool turns = std::abs(best.turn) >= least_turn && std::ranges::none_of(likely, [&](const Place& each) {
                      return std::abs(each.turn - best.turn) >= other_turn && each.value > best.value - gain;
                  });
-    Place turned{found.at, few};
+    Place turned = best;
     if (turns) {
-        turned.turn = near_turn(near_turn(best, limits, 0.5, 1), limits, 0.2, 1).turn;
-        turn_by(turned.turn);
-        const Place climbed = climb(best.at, few, limits, 1, 20);
-        turned.at = climbed.at, turned.value = climbed.value;
+        turned.turn = near_turn(near_turn(best, 0.5, 1, rooms_), 0.2, 1, rooms_).turn;
+        turned = climb(turned, 1, 20, rooms_);
         turns = turned.value > found.value + gain;
     }
     if (!turns) {
-        turn_by(0.0);
-        const double least = std::max(evaluate(found.at, few, 2, false), best.value) - gain;
+        const double least = std::max(evaluate(found, 2, rooms_), best.value) - gain;
         std::erase_if(likely, [&](const Place& each) { return each.value <= least; });
         if (std::ranges::any_of(likely, [](const Place& each) { return std::abs(each.turn) >= other_turn; }))
             others = std::move(likely);
         return found;
     }
-    turn_by(0.0);
-    const Place straight = climb(turned.at, few, limits, 1, 20);  // the starts of `found` may have missed it
+    Place straight = turned;
+    straight.turn = 0.0;
+    straight = climb(straight, 1, 20, rooms_);  // the starts of `found` may have missed it
     if (turned.value <= straight.value + gain) return straight.value > found.value ? straight : found;
-    turn_by(turned.turn);
-    Place again = climb(likeliest_start(limits).at, few, limits, 1, 20);
-    again.turn = turned.turn;
+    const Place again = climb(likeliest_start(turned), 1, 20, rooms_);
     return again.value > turned.value ? again : turned;
 }
 
-// Returns the likeliest parameters with a long term that repeats after half a turn, which is tried by a quarter of the
-// blocks; those found, if it gains too little.
-Place Fit::with_half_turns(const Place& found, const Limits& limits) {
-    const double gain = blocks_ > 1 ? small_half_gain : great_half_gain, before = evaluate(found.at, few, 4, false);
-    half_turns_ = true;
-    Place half = climb(found.at, few, limits, 4, 8);
-    const Place other = climb(limits.from(half_start), few, limits, 4, 8);
-    if (other.value > half.value) half = other;
-    if (half.value > before + gain) {
-        half = climb(half.at, few, limits, 1, 20);
-        half.turn = found.turn;
-        half.half_turns = true;
-        if (half.value > found.value + gain) return half;
+// Returns the likeliest place with a long term that repeats after half a turn, which is tried by a quarter of the
+// blocks; the one found, if it gains too little.
+Place Fit::with_half_turns(const Place& found) {
+    const double gain = blocks_ > 1 ? small_half_gain : great_half_gain;
+    Place tried[] = {found, found};
+    tried[1].at = limits_.from(half_start);
+    for (Place& each : tried) {
+        each.half_turns = true;
+        each = climb(each, 4, 8, rooms_);
     }
-    half_turns_ = false;
-    return found;
+    Place half = tried[1].value > tried[0].value ? tried[1] : tried[0];
+    if (half.value <= evaluate(found, 4, rooms_) + gain) return found;
+    half = climb(half, 1, 20, rooms_);
+    return half.value > found.value + gain ? half : found;
 }
 
-// Returns the likeliest parameters with a smooth short term; those found, if they are likelier.
-Place Fit::with_smooth(const Place& found, const Limits& limits) {
-    smooth_ = true;
-    const Place climbed = climb(found.at, few, limits, 1, 20);
+// Returns the likeliest place with a smooth short term; the one found, if that is likelier.
+Place Fit::with_smooth(const Place& found) {
     Place smooth = found;
-    smooth.at = climbed.at, smooth.value = climbed.value;
     smooth.smooth = true;
-    if (smooth.value > found.value) return smooth;
-    smooth_ = false;
-    return found;
+    smooth = climb(smooth, 1, 20, rooms_);
+    return smooth.value > found.value ? smooth : found;
 }
 
-// Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
-Place Fit::with_fine(const Place& found, const Limits& limits) {
+// Returns the likeliest place with a fine term; the one found, if none of the starts is about as likely.
+Place Fit::with_fine(const Place& found) {
     Place start = found;
-    start.count = most;
     start.value = never;
     for (const double share : fine_shares)
         for (const double around : fine_around) {
-            Parameters at = found.at;
-            at[noise] += logarithm(1.0 - share);
-            at[few] = found.at[noise] + logarithm(share);
-            at[few + 1] = logarithm(around);
-            at[few + 2] = logarithm(2.5 * around);
-            at = limits.clipped(at);
-            const double value = evaluate(at, most, 3, false);
-            if (value > start.value) start.at = at, start.value = value;
+            Place each = found;
+            each.count = most;
+            each.at[noise] += logarithm(1.0 - share);
+            each.at[few] = found.at[noise] + logarithm(share);
+            each.at[few + 1] = logarithm(around);
+            each.at[few + 2] = logarithm(2.5 * around);
+            each.at = limits_.clipped(each.at);
+            each.value = evaluate(each, 3, rooms_);
+            if (each.value > start.value) start = each;
         }
-    if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
-    const Place climbed = climb(start.at, most, limits, 1, 40);
-    start.at = climbed.at, start.value = climbed.value;
-    return start;
+    if (start.count == few || start.value < evaluate(found, 3, rooms_) - 0.5) return found;
+    return climb(start, 1, 40, rooms_);
 }
 
-// Returns the place found and others with their shares of the probability, the likeliest first; the positions are then
-// turned as its shape. Of the others, those that repeat after half a turn are sought here.
-std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others, const Limits& limits) {
+// Returns the place found and others with their shares of the probability, the likeliest first. Of the others, those
+// that repeat after half a turn are sought here.
+std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others) {
     std::vector<Place> found{first};
-    found[0].value = evaluate(first.at, few, 2, false);
-    half_turns_ = true;
-    for (Place& each : peaks(widened(first.at), slowly, limits.from(half_start), slowly, limits)) {
-        each.half_turns = true;
-        others.push_back(each);
-    }
+    found[0].value = evaluate(first, 2, rooms_);
+    Place half = first;
+    half.half_turns = true;
+    Place other = half;
+    other.at = limits_.from(half_start);
+    for (const Place& each : peaks(widened(half), slowly, other, slowly)) others.push_back(each);
     std::ranges::stable_sort(others, std::greater{}, &Place::value);
     for (const Place& each : others) {
         const auto near = std::ranges::find_if(found, [&](const Place& of) {
@@ -495,42 +532,39 @@ std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others, co
     sum = 0.0;
     for (const Place& each : found) sum += each.share;
     for (Place& each : found) each.share /= sum;
-    Place& best = found[0];
-    half_turns_ = best.half_turns;
-    turn_by(best.turn);
-    const Place climbed = climb(best.at, few, limits, 1, 20);
-    best.at = climbed.at;
-    best.value = climbed.value;
+    found[0] = climb(found[0], 1, 20, rooms_);
     return found;
 }
 
-// Returns the likeliest of what is climbed to from the starts, by half of the blocks.
-Place Fit::likeliest_start(const Limits& limits) {
-    Place best{limits.high, few};
+// Returns the likeliest of what is climbed to from the starts, by half of the blocks, with the turn and the kind of a
+// place.
+Place Fit::likeliest_start(const Place& kind) {
+    std::vector<Place> found;
     for (const auto& values : starts) {
-        const Place found = climb(limits.from(values), few, limits, 2, 8);
-        if (found.value > best.value) best = found;
+        found.push_back(kind);
+        found.back().at = limits_.from(values);
     }
-    return best;
+    each_place(found, [&](Place& each, Rooms rooms) { each = climb(each, 2, 8, rooms); });
+    return *std::ranges::max_element(found, {}, &Place::value);
 }
 
 std::vector<Place> Fit::likely(double spacing, double least_turn) {
     const double r = radius_;
-    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
-                   1e-12, 0.003, 0.006},
-                  {1e-2, 40.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
+    limits_ = {{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
+                1e-12, 0.003, 0.006},
+               {1e-2, 40.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
     for (std::size_t p = 0; p < most; ++p) {
-        limits.low[p] = logarithm(limits.low[p]);
-        limits.high[p] = logarithm(limits.high[p]);
+        limits_.low[p] = logarithm(limits_.low[p]);
+        limits_.high[p] = logarithm(limits_.high[p]);
     }
-    const Place unturned = climb(likeliest_start(limits).at, few, limits, 1, 20);
+    const Place unturned = climb(likeliest_start({limits_.high, few}), 1, 20, rooms_);
     if (least_turn == std::numeric_limits<double>::infinity()) return {unturned};
     std::vector<Place> others;
-    std::vector<Place> found{with_half_turns(with_turn(unturned, limits, least_turn, others), limits)};
-    if (!others.empty()) found = shared(found[0], others, limits);
-    found[0] = with_smooth(found[0], limits);
+    std::vector<Place> found{with_half_turns(with_turn(unturned, least_turn, others))};
+    if (!others.empty()) found = shared(found[0], others);
+    found[0] = with_smooth(found[0]);
     Place& best = found[0];
-    const Place three = with_fine(best, limits);
+    const Place three = with_fine(best);
     if (three.value > best.value + fine_gain) best = three;
     return found;
 }
@@ -538,18 +572,20 @@ std::vector<Place> Fit::likely(double spacing, double least_turn) {
 }  // namespace
 
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
-                                             double spacing, double least_turn, InstructionSet instruction_set) {
+                                             double spacing, double least_turn, int threads,
+                                             InstructionSet instruction_set) {
     const StandardArithmetic standard;
     require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
     require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
     require(least_turn >= 0.0, "least_turn", least_turn, "must be 0 or above");
+    require_threads(threads);
     const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
     const SampleColumns from{columns[0], columns[1], columns[2]};
     from.validate(1);
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
-    Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
+    Fit fit(from, static_cast<std::size_t>(block_size), radius, threads, instruction_set);
     std::vector<LikelyCovariance> found;
     for (const Place& of : fit.likely(spacing, least_turn)) {
         std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};

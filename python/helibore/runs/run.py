@@ -393,7 +393,7 @@ def build_wall(
             if run.tune:
                 wall = _tune(run, wall, caliper, threads)
             elif wall.estimator == "automatic":
-                wall = _choose(run, wall, caliper)
+                wall = _choose(run, wall, caliper, threads)
             run.built = wall_of_samples(made, threads=threads, **vars(wall))
             made_from = [one.file for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
@@ -489,11 +489,11 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
     return tuning.settings
 
 
-def _choose(run: Run, wall: Settings, caliper: Caliper) -> Settings:
+def _choose(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Settings:
     """Return the settings of the wall with the estimator that suits its samples, and give them to the run."""
     from helibore.wall.automatic import choose
 
-    choice = choose(caliper, wall)
+    choice = choose(caliper, wall, threads)
     run.messages.append(("estimator", choice.sentence))
     run.settings = replace(run.settings, wall=choice.settings)
     return choice.settings

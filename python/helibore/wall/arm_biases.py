@@ -114,7 +114,9 @@ def remaining_products(samples: Columns, arms: Caliper | None, settings: Setting
     return arm, covariance + np.outer(off, off)
 
 
-def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tuple[float, ...] | None:
+def found_biases(
+    caliper: Caliper, covariance: Covariance | None = None, threads: int | None = None
+) -> tuple[float, ...] | None:
     """Return the biases for `Settings.arm_biases`; None if all are small, or if there are not several
     arms with numbers from 0 to 255.
 
@@ -130,7 +132,7 @@ def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tupl
     biases = np.zeros(numbers.size)
     for _round in range(_ROUNDS):  # a covariance takes great biases for shape
         less = samples[0], samples[1], samples[2] - biases[arm]
-        found = covariance or fit_covariance(less, turning=False)
+        found = covariance or fit_covariance(less, turning=False, threads=threads)
         if found is None:
             break
         before, biases = biases, find_biases(samples, arm, found).biases
@@ -143,7 +145,7 @@ def found_biases(caliper: Caliper, covariance: Covariance | None = None) -> tupl
     return tuple(by_number.tolist())
 
 
-def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covariance) -> Likely:
+def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covariance, threads: int | None) -> Likely:
     """Return the covariances of the samples as they are, if these are likelier than ``biases`` and a shape; else [].
 
     ``less`` is the covariance of the samples less the biases. Biases below the noise do not hide a shape.
@@ -152,7 +154,7 @@ def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covarian
         return []
     samples = in_depth_order(caliper)
     arm = np.unique(caliper.arm, return_inverse=True)[1].reshape(-1)[np.argsort(caliper.depth, kind="stable")]
-    likely = likely_covariances(samples)
+    likely = likely_covariances(samples, threads=threads)
     as_they_are, without = (find_biases(samples, arm, of).likelihood for of in (likely[0][0], less))
     return likely if as_they_are > without else []
 

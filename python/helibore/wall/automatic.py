@@ -98,7 +98,7 @@ class Choice:
         return "" if self.known > 0.995 else f" where it can be known, on {100 * self.known:.0f} % of the wall"
 
 
-def choose(caliper: Caliper, settings: Settings) -> Choice:
+def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> Choice:
     """Choose the estimator for the samples of a hole, and its settings.
 
     Of ``settings``, whose estimator is 'automatic', ``angular_scale``, ``kriging_range``, ``nugget``, ``covariance``
@@ -112,15 +112,15 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
         return Choice(simple, {}, reason="the settings have a window")
     seeks = settings.arm_biases is None
     if seeks:
-        settings = replace(settings, arm_biases=found_biases(caliper))
+        settings = replace(settings, arm_biases=found_biases(caliper, threads=threads))
     samples = in_depth_order(without_biases(caliper, settings))
     if samples[0].size < FEWEST:
         return Choice(simple, {}, reason=f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
-    likely = likely_covariances(samples)
+    likely = likely_covariances(samples, threads=threads)
     if not likely:
         return Choice(simple, {}, reason="all radii are equal")
     if seeks and settings.arm_biases:
-        likely = follow_the_shape(caliper, settings.arm_biases, likely[0][0]) or likely
+        likely = follow_the_shape(caliper, settings.arm_biases, likely[0][0], threads) or likely
         settings = replace(settings, arm_biases=found_biases(caliper, likely[0][0]))
         samples = in_depth_order(without_biases(caliper, settings))
     if not leaves_most_unmeasured(samples, settings):  # near samples decide, whatever the turn is
@@ -129,7 +129,7 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
         if _open_share(boxes) <= MOST_OPEN:
-            return _by_samples_left_out(samples, rows, boxes, simple, full, seed)
+            return _by_samples_left_out(samples, rows, boxes, simple, full, seed, thread_count(threads))
     places, known = _known_places(samples, full)
     of_simple = _root(np.sum([share * _inverse_distance(samples, of, simple, places) for of, share in likely], axis=0))
     of_full = _root(estimates_at(samples, places, full)[:, 1])
@@ -145,13 +145,13 @@ def _open_share(boxes: Boxes) -> float:
 
 
 def _by_samples_left_out(
-    samples: Columns, rows: Integers, boxes: Boxes, simple: Settings, full: Settings, seed: int
+    samples: Columns, rows: Integers, boxes: Boxes, simple: Settings, full: Settings, seed: int, threads: int
 ) -> Choice:
     """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
 
     The errors are those at samples that are left out with an empty box around them, less the variance of noise.
     """
-    threads, noise = thread_count(None), covariance_of(full.covariance or ()).noise
+    noise = covariance_of(full.covariance or ()).noise
     tuned = tuning_with(samples, simple, {}, _TUNED, threads, seed, _TUNED, may_continue=False).best.settings
     found = [estimate_left_out(samples, rows, of, boxes, threads).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])

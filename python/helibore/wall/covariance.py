@@ -27,6 +27,7 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
+from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import Columns, spread
 
@@ -119,17 +120,17 @@ def content_seed(samples: Columns) -> int:
     return int.from_bytes(content.digest()[:8], "little")
 
 
-def fit_covariance(samples: Columns, turning: bool = True) -> Covariance | None:
+def fit_covariance(samples: Columns, turning: bool = True, threads: int | None = None) -> Covariance | None:
     """Fit the covariance to samples in order of depth; None if there are fewer than `FEWEST`, or all radii are equal.
 
     If the radii are quantised, the noise is at least step^2 / 48. Without ``turning``, neither a turn nor a fine term
     is sought, which takes a fifth of the time.
     """
-    likely = likely_covariances(samples, turning)
+    likely = likely_covariances(samples, turning, threads)
     return likely[0][0] if likely else None
 
 
-def likely_covariances(samples: Columns, turning: bool = True) -> Likely:
+def likely_covariances(samples: Columns, turning: bool = True, threads: int | None = None) -> Likely:
     """Return the fitted covariance, and those with other turns that the samples leave about as likely, with shares.
 
     As `fit_covariance`, [] for None; the shares are those of probability. Few arms that do not cross leave several
@@ -143,7 +144,7 @@ def likely_covariances(samples: Columns, turning: bool = True) -> Likely:
     blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
     least_turn = np.inf if not turning else 0.0 if shows_around(samples, _SAME_DEPTH) else _LEAST_TURN
-    found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing, least_turn)
+    found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing, least_turn, thread_count(threads))
     return [(covariance_of(values), share) for values, share in found]
 
 

@@ -496,7 +496,7 @@ def wall_of(
     if asked.estimator == "automatic":
         from helibore.wall.automatic import choose
 
-        asked = choose(caliper, asked).settings
+        asked = choose(caliper, asked, threads).settings
     if asked.estimator == "kriging" and asked.kriging_range is None:
         Wall(**vars(asked) | {"kriging_range": 1.0})  # the core checks the other settings
         asked = replace(asked, kriging_range=find_kriging_range(in_depth_order(caliper), asked))

@@ -122,7 +122,7 @@ def blocks(count: int, size: int) -> tuple[Floats, Floats, Floats]:
 def test_all_instruction_sets_find_the_same(count: int, size: int) -> None:
     def found(level: str) -> list[float]:
         with suppress(hb.InputError):  # this processor does not have it
-            return _core.fit_covariance(blocks(count, size), size, 0.11, 0.0, 0.0, level)
+            return _core.fit_covariance(blocks(count, size), size, 0.11, 0.0, 0.0, 1, level)
         return found("plain")
 
     assert found("plain") == found("avx2") == found("avx512")
@@ -142,15 +142,22 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"radius": 0.0}, "radius = 0: must be above 0, at most 1000 m"),
     ({"spacing": float("nan")}, "spacing = nan: must lie in 0 to 1000 m"),
     ({"least_turn": -1.0}, "least_turn = -1: must be 0 or above"),
+    ({"threads": 0}, "threads = 0: must lie in 1 to 1024"),
     ({"first": float("nan")}, "depth[0] = nan: must be finite"),
 ]
 
 
 @pytest.mark.parametrize(("change", "text"), BAD, ids=[text for _, text in BAD])
 def test_bad_blocks_are_refused(change: dict[str, Any], text: str) -> None:
-    given = {"size": 20, "radius": 0.11, "spacing": 0.0, "least_turn": 0.0, "first": 0.0} | change
+    given = {"size": 20, "radius": 0.11, "spacing": 0.0, "least_turn": 0.0, "first": 0.0, "threads": 1} | change
     depth, toolface, radius = blocks(3, 20)
     depth[0] = given["first"]
     rules = (given[name] for name in ("size", "radius", "spacing", "least_turn"))
     with pytest.raises(hb.InputError, match=exactly(text)):
-        _core.fit_covariance((depth, toolface, radius), *rules)
+        _core.fit_covariance((depth, toolface, radius), *rules, given["threads"])
+
+
+@pytest.mark.parametrize(("count", "size"), [(9, 20), (1, 75)])
+def test_threads_find_the_same(count: int, size: int) -> None:
+    one, three, many = (_core.fit_covariance(blocks(count, size), size, 0.11, 0.0, 0.0, of) for of in (1, 3, 100))
+    assert one == three == many
