@@ -141,8 +141,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     if not options["quiet"]:
         sure = []
         if verb == "reconstruct":
-            with terminal.stage("compare", "Comparing estimators"):
-                sure = error_lines(run, options["threads"])
+            sure = error_lines(run, options["threads"], terminal.stage)
         end = [*sure, *saved, ("time", terminal.times())]
         terminal.summary([*run.messages, *made_lines(run, made, ends), *end])
 

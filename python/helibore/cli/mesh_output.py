@@ -19,7 +19,7 @@ from helibore.mesh.volume import Volume
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
     from helibore.preparation.eccentering import Centres
-    from helibore.runs.run import Run
+    from helibore.runs.run import Run, Stage
     from helibore.wall.wall import Wall
 
 COLORED = (".glb", ".ply")
@@ -63,7 +63,7 @@ def write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
     write_table(file, columns)
 
 
-def error_lines(run: Run, threads: int | None) -> Lines:
+def error_lines(run: Run, threads: int | None, stage: Stage) -> Lines:
     """Return a line on the cross-validated error of the wall.
 
     There is no line if there is no such error, or if the choice of an estimator or tuning has printed what to expect:
@@ -76,7 +76,8 @@ def error_lines(run: Run, threads: int | None) -> Lines:
     if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or said & {"tuned", "estimator"}:
         return []
     try:
-        return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
+        with stage("compare", "Comparing estimators"):
+            return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
     except InputError:  # the settings have a window, or no sample has a neighbour within reach
         return []
 
