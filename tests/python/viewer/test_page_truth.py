@@ -526,19 +526,23 @@ def test_the_cross_section_has_a_band_that_encloses_95_percent(browser: Any) -> 
         if came_with_it:
             wall.attributes["sigma"] = sigma
         with hb.view(wall) as viewer:
-            screen = Screen(browser, viewer.url, "#md=2010&sec=10", drawn=False)
+            screen = Screen(browser, viewer.url, "#md=2010&sec=10&at=2010_100", drawn=False)
             screen.evaluate("Object.assign(window.__wall.app.view, { shape: 10 })")
             screen.evaluate("window.__wall.app.redraw()")
             screen.settle()
             text = screen.inner_text("#turn")
             band = screen.evaluate(COLOURED)
             k = screen.evaluate("window.__wall.app.store.levels[0].turnAt(2010)")
+            read = screen.readout()
             screen.close()
         mean = 1.96e3 * np.nanmean(sigma[k : k + wall.settings.sectors])
         shown = float(re.search(r"Radius, 95 %\n± ([\d.]+) mm", text)[1])
         assert shown == pytest.approx(mean, abs=0.05 if came_with_it else 0.1 * mean)  # else in sixteen steps
         assert mean > 0.5
         assert band > 500
+        half = float(read["Radius, 95 %"].removeprefix("± ").removesuffix(" mm"))
+        if came_with_it:
+            assert half == pytest.approx(1.96e3 * float(read["sigma"].replace("−", "-")), abs=0.06)
 
 
 @pytest.mark.parametrize("pitch", [0.4, -0.4])

@@ -10,6 +10,7 @@ import { recall, remember } from './memory.js';
 import { CUTS, cutsOf } from './path.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK, uncertaintyOf } from './protocol.js';
 import { scaleLength } from './tracks.js';
+import { CERTAIN } from './turns.js';
 import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showShare, showSigned, showSpan, showValue, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, isSure, LETTERS, MEASURES, sentence, sureText, zoneAt, zoneText } from './zones.js';
@@ -148,6 +149,8 @@ export function readout({ store, view, path, vertex }) {
   const toolface = Number((cursor?.toolface ?? NaN).toFixed(1)); // as it is shown, and as an address keeps it
   const angles = [wrap360(toolface - (path.dial(depth).up ?? NaN)), path.azimuth(depth, toolface)].map((angle) => showAngle(angle));
   const { state = 0 } = vertex ?? {};
+  const sigma = store.attributes.findIndex((one) => one.name === 'sigma');
+  const half = sigma < 0 ? uncertaintyOf(state) : CERTAIN * store.attributeAt(sigma, cursor);
   /** @type {[number, string][]} */
   const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
@@ -158,7 +161,7 @@ export function readout({ store, view, path, vertex }) {
     [`From high side / azimuth${path.assumed ? ', assumed' : ''}`, angles.join(' / ')],
     ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
       ['Radius', vertex ? showLength(vertex.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
-      ...(state >> 12 ? [['Radius, 95 %', `± ${showLength(uncertaintyOf(state), units, units === 'mm' ? 1 : 2)}`]] : []),
+      ...(half > 0 ? [['Radius, 95 %', `± ${showLength(half, units, units === 'mm' ? 1 : 2)}`]] : []),
       ['Over bit radius', showSigned(vertex ? vertex.radius - store.bitRadius : NaN, units)],
       ['Change', vertex && state & RESCANNED ? showSigned(vertex.radius - vertex.first, units) : '–'],
       ['Nearest sample', showLength(vertex?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],

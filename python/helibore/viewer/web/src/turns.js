@@ -10,7 +10,7 @@
 import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL, uncertaintyOf } from './protocol.js';
 
 const TAU = 2 * Math.PI;
-const CERTAIN = 1.96; // standard deviations that enclose 95 %
+export const CERTAIN = 1.96; // standard deviations that enclose 95 %
 
 // Return {min, max, c1, c2, maxAt, area, radiusMin, radiusMax, share} of evenly spaced radii (NaN: missing). `maxAt` is the
 // index of the largest diameter, `share` the share of the radii that are not missing.
