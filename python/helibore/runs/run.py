@@ -70,7 +70,7 @@ from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
 MOST_CARRYING = 4_000_000
-"""Vertices that a wall may have only to carry images."""
+"""Vertices that a wall may have to show each row of its images."""
 NEARLY_VERTICAL = 5.0
 """Degrees: tools in holes that are inclined less mostly count toolfaces from north."""
 Stage = Callable[[str, str], AbstractContextManager[None]]
@@ -355,10 +355,10 @@ def read_run(
 def suit_images(
     run: Run, images: list[SectorImage], samples: tuple[str, Caliper | Prepared] | None, chosen: bool
 ) -> None:
-    """Give a wall whose shape is not measured, and which only carries images, a turn for each row of its finest image.
+    """Give a wall a turn for each row of its finest image, if the caliper has at least a sample for two such vertices.
 
-    If pitch or sectors are ``chosen``, if a caliper measured the shape, or if the wall would have more than
-    `MOST_CARRYING` vertices, a message says that its turns are coarser than the rows.
+    A wall whose shape is not measured only carries images, and needs no samples. If pitch or sectors are ``chosen``, or
+    the wall would have more than `MOST_CARRYING` vertices, a message says that its turns are coarser than the rows.
     """
     wall = run.settings.wall or run.wall.settings
     rows = [(float(np.median(np.diff(one.depth))), one) for one in images if one.depth.size > 1]
@@ -367,9 +367,10 @@ def suit_images(
         return
     pitch, sectors = round(step, 9), max(wall.sectors, image.sectors)
     each = f"{image.name} has a row each {step:.4g} m"
-    if not chosen and not run.settings.caliper and samples is not None and isinstance(samples[1], Caliper):
-        depth = samples[1].depth
-        if (depth.max() - depth.min()) / pitch * sectors <= MOST_CARRYING:
+    if not chosen and samples is not None:
+        depth = (samples[1] if isinstance(samples[1], Caliper) else samples[1].caliper).depth
+        vertices = (depth.max() - depth.min()) / pitch * sectors
+        if vertices <= (min(MOST_CARRYING, 2 * depth.size) if run.settings.caliper else MOST_CARRYING):
             run.settings = replace(
                 run.settings, wall=replace(wall, pitch=np.copysign(pitch, wall.pitch), sectors=sectors)
             )

@@ -107,6 +107,13 @@ def test_a_hole_that_only_carries_images_has_a_turn_for_each_of_their_rows(
         said = " ".join(run(*more, *image).output.split())
         assert walls.pop().settings.pitch == 0.1
         assert "wall.pitch=0.02m shows every row" in said, said
+    turn, along = np.meshgrid(np.arange(0.0, 360.0, 6.0), depth)
+    dense = tmp_path / "dense.csv"
+    columns = along.ravel(), turn.ravel(), np.full(turn.size, 108.0)
+    np.savetxt(dense, np.transpose(columns), delimiter=",", header="depth_m,toolface_deg,radius_mm", comments="")
+    said = " ".join(run(str(dense), *image).output.split())
+    assert (walls[-1].settings.sectors, walls.pop().settings.pitch) == (90, 0.02), "60 samples a row are enough"
+    assert "has a row each 0.02 m, and so has the wall a turn, of 90 sectors" in said
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
