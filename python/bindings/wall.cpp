@@ -63,6 +63,7 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     take("other_turns", other_turns);
     s.covariance = covariance.value_or(std::vector<double>{});
     s.other_turns = other_turns.value_or(std::vector<double>{});
+    take("robust", s.robust);
     take("sigma", s.sigma);
     take("direct", s.direct);
     take("most_vertices", s.most_vertices);

@@ -576,11 +576,13 @@ void near_and_far() {
     same.estimator = helibore::Estimator::near_and_far;
     same.covariance = {0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5};
     same.other_turns = {0.4, 0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5, 9.0};
+    same.robust = true;
     same.sigma = true;
     helibore::Wall expected(same);
     expected.append(hole.all());
     hb_settings settings = settings_of();
     settings.estimator = HB_NEAR_AND_FAR;
+    settings.robust = 1;
     settings.sigma = 1;
     std::int64_t wall = 0, count = expected.size();
     REFUSED(hb_wall_create(&settings, &wall), "covariance = 0: must have 5, 8 or 11 values, or a turn as one more");

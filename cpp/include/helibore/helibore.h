@@ -118,6 +118,7 @@ typedef struct hb_settings {
     double covariance[12];    /* [3] < 0: a smooth first term; [6] < 0: the second repeats after half a turn */
     int64_t other_turns_count;
     const double* other_turns; /* NULL: none; else read by hb_wall_create alone */
+    int64_t robust;            /* 1: samples that differ from all beside them hardly count */
 } hb_settings;
 
 #define HB_MINIMUM_CURVATURE 0

@@ -48,6 +48,7 @@ struct Settings {
     // and nine values as above, of two terms, with the turn and the same R. The share of `covariance` is the rest. A
     // radius is then the mean by all of them, and its variance the expected square about this.
     std::vector<double> other_turns = {};
+    bool robust = false;                // near_and_far: samples that differ from all beside them hardly count
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would exceed this is refused, because a depth must be wrong

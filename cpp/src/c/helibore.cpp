@@ -51,7 +51,8 @@ hb_settings to_c(const Settings& s) {
                   .covariance_count = static_cast<std::int32_t>(s.covariance.size()),
                   .covariance = {},
                   .other_turns_count = 0,
-                  .other_turns = nullptr};
+                  .other_turns = nullptr,
+                  .robust = s.robust};
     std::ranges::copy(s.covariance, c.covariance);
     return c;
 }
@@ -88,6 +89,7 @@ Settings settings_of(const hb_settings* given) {
             .nugget = s.nugget,
             .covariance = {s.covariance, s.covariance + s.covariance_count},
             .other_turns = {turns.begin(), turns.end()},
+            .robust = s.robust != 0,
             .sigma = s.sigma != 0,
             .direct = s.direct != 0,
             .most_vertices = s.most_vertices,

@@ -20,6 +20,8 @@ constexpr Index lanes = kernel::lanes;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int number_bits = 9;                      // enough for the neighbours of a group
 constexpr double large_noise = 0.25;                // of the variance of the long term
+constexpr std::size_t beside = 8;                   // neighbours with which one is compared
+constexpr double most_off = 2.5;                    // deviations of the noise
 constexpr double share = 0.35, small_share = 0.25;  // of the lengths of the long term: the size of a cell
 
 // Settings under which the search finds the nearest samples by one term of the covariance.
@@ -104,6 +106,7 @@ struct NearFar::Scratch {
     std::vector<kernel::Candidate> members;  // the samples of one neighbour after the other
     std::vector<std::uint32_t> starts;       // of each neighbour in `members`; last, the end
     std::vector<std::uint64_t> order;        // rank of the first member and number of the neighbour, sorted
+    std::vector<double> added;               // square metres, for each neighbour: its noise is greater by this
     std::vector<kernel::SharedNeighbor> rows;
     double reach = 0.0;  // how far along the hole the previous group looked for far neighbours
     kernel::SharedRoom room;
@@ -118,6 +121,8 @@ NearFar::NearFar(const Settings& settings, std::size_t number)
       opposite_(metric_of(turned_by_half(settings), long_term(settings), near_long_)),
       max_distance_(settings.max_distance),
       max_square_(max_distance_ * max_distance_ * (1.0 - 1e-9)),  // all of these samples are neighbours for the search
+      short_stretch_(settings.covariance[4] / std::abs(settings.covariance[3])),
+      robust_(settings.robust),
       number_(number) {
     const std::vector<double>& values = settings.covariance;
     rule_.radius = values[0];
@@ -291,12 +296,59 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
         });
     }
     scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
+    judge(scratch);
     std::ranges::sort(scratch.order);
     shallow =
         std::min({by_short.shallow, by_long.shallow, by_opposite.shallow, cells_.row(g.middle - far) * cells_.height});
     deep =
         std::max({by_short.deep, by_long.deep, by_opposite.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
     return g;
+}
+
+void NearFar::judge(Scratch& scratch) const {
+    const std::vector<std::uint32_t>& starts = scratch.starts;
+    const std::size_t count = starts.size() - 1;
+    scratch.added.assign(count, 0.0);
+    if (!robust_) return;
+    const auto single = [&](std::size_t k) { return starts[k + 1] == starts[k] + 1; };
+    const double degree = rule_.radius * kernel::metres_a_degree, tolerance = most_off * std::sqrt(rule_.noise);
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!single(k)) continue;
+        const kernel::Candidate& own = scratch.members[starts[k]];
+        struct Beside {
+            double square;
+            const kernel::Candidate* sample;
+        } near[beside];  // the nearest so far, in order
+        std::size_t found = 0;
+        for (std::size_t other = 0; other < count; ++other) {
+            if (other == k || !single(other)) continue;
+            const kernel::Candidate& of = scratch.members[starts[other]];
+            const double along = of.depth - own.depth;
+            const double turned = of.toolface - own.toolface - rule_.turn * along;
+            const double across = short_stretch_ * degree * (turned - 360.0 * nearest_whole(turned * (1.0 / 360.0)));
+            const double square = across * across + along * along;
+            std::size_t at = found;
+            while (at > 0 && (square < near[at - 1].square ||
+                              (square == near[at - 1].square && of.rank < near[at - 1].sample->rank)))
+                --at;
+            if (at == beside) continue;
+            if (found < beside) ++found;
+            for (std::size_t i = found - 1; i > at; --i) near[i] = near[i - 1];
+            near[at] = {square, &of};
+        }
+        if (found < beside) continue;
+        double least = no_limit, low = no_limit, high = -no_limit, greatest = -no_limit;  // low, high: the second ones
+        for (const Beside& of : near) {
+            const double radius = of.sample->radius;
+            low = std::min(low, std::max(least, radius));
+            least = std::min(least, radius);
+            high = std::max(high, std::min(greatest, radius));
+            greatest = std::max(greatest, radius);
+        }
+        if (std::max(own.radius - high, low - own.radius) <= tolerance) continue;
+        const double off = own.radius - 0.5 * (low + high);
+        scratch.added[k] = off * off;
+    }
 }
 
 // Returns the mean of samples of a cell; `value` gives that of a sample, or NaN: the sample then does not count.
@@ -331,8 +383,10 @@ template <class Value>
 void NearFar::krige(kernel::Group& g, Scratch& scratch, const Value& value) const {
     scratch.rows.clear();
     for (const std::uint64_t key : scratch.order) {
-        const std::uint32_t* start = &scratch.starts[key % (std::uint64_t{1} << number_bits)];
-        const auto mean = mean_of(std::span(scratch.members).subspan(start[0], start[1] - start[0]), value);
+        const std::size_t number = key % (std::uint64_t{1} << number_bits);
+        const std::uint32_t* start = &scratch.starts[number];
+        auto mean = mean_of(std::span(scratch.members).subspan(start[0], start[1] - start[0]), value);
+        mean.count /= 1.0 + scratch.added[number] / rule_.noise;  // exact where nothing is added
         if (mean.count > 0.0) scratch.rows.push_back(mean);
     }
     const int n = static_cast<int>(scratch.rows.size());

@@ -14,6 +14,10 @@
 // positions, with a 32nd of the noise; cells are then 0.25 of the lengths, and 3 V / 2 of them are used. A sample
 // counts once. Samples farther than max_distance from the vertex (far: cells, from the group), on a wall of radius R,
 // are not used. Nothing iterates: R is a setting.
+//
+// With Settings::robust, a neighbour that lies beyond the second greatest or the second least radius of the eight
+// others that are nearest to it in the short metric, by more than 2.5 deviations of the noise, has more noise: the
+// square of its distance from their middle is added. So a spike hardly counts. Means are not judged.
 #pragma once
 
 #include <memory>
@@ -48,6 +52,8 @@ class NearFar {
     // one more cell would be used.
     double find_far(const Samples& samples, const kernel::Group& g, double half_width, Scratch& scratch) const;
     void gather_cells(const Samples& samples, double low, double high, Scratch& scratch) const;
+    // Sets the noise that is added to each neighbour in `scratch`.
+    void judge(Scratch& scratch) const;
     template <class Use>
     void each_member(const Samples& samples, const Scratch& scratch, Samples::Place at, Use use) const;
     template <class Value>
@@ -67,6 +73,8 @@ class NearFar {
     int wanted_;                                  // far neighbours of a group
     std::size_t averaged_;                        // greatest number of samples of one of them
     double max_distance_, max_square_, stretch_;  // stretch_: along / around of the long metric
+    double short_stretch_;                        // the same of the short metric
+    bool robust_;
     std::size_t number_;
 };
 

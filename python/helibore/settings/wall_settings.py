@@ -38,7 +38,7 @@ USUAL: Literal["inverse-distance", "automatic"] = "automatic"
 """The estimator where none is stated and all samples are there."""
 CHOSEN = (
     "neighbors", "window", "power", "max_iterations", "tolerance", "angular_scale", "kriging_range", "nugget",
-    "covariance", "other_turns", "direct",
+    "covariance", "other_turns", "robust", "direct",
 )  # fmt: skip
 """Settings that 'automatic' chooses, or cannot have: stating one states that it shall not choose."""
 
@@ -128,6 +128,11 @@ class Settings(Declared, group="wall"):
         "``covariance`` is the rest. A radius is the mean by all of them, and `Wall.sigma` contains what they differ. "
         "'automatic' finds them.",
     ] = None  # fmt: skip
+    robust: Annotated[bool,
+        "'near-and-far': a sample that lies beyond the radii of the eight samples beside it by more than 2.5 "
+        "deviations of the noise hardly counts; of the eight, the greatest and the least do not count. 'automatic' "
+        "sets it where more than three of 400 samples of a tool that measures all around are spikes.",
+    ] = False  # fmt: skip
     arm_biases: Annotated[tuple[float, ...] | None, BIASES,
         "How much the radii of the tool's arms 0, 1, ... are too large (m). `Wall.append` subtracts it from samples "
         "with an arm number; others, live ones too, are taken as they are. 'automatic' finds it.",

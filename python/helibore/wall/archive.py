@@ -156,8 +156,8 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
 
 def _settings(settings: Settings) -> dict[str, Any]:
     """Return the settings by name, without later ones that are not set: an archive older than they keeps its bytes."""
-    later = ("covariance", "other_turns", "arm_biases")
-    return {name: value for name, value in asdict(settings).items() if name not in later or value is not None}
+    later = {"covariance": None, "other_turns": None, "arm_biases": None, "robust": False}
+    return {name: value for name, value in asdict(settings).items() if name not in later or value != later[name]}
 
 
 def _intervals(wall: WallColumns) -> dict[str, Any]:

@@ -33,6 +33,7 @@ from helibore.wall.covariance import (
 )
 from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
 from helibore.wall.near_and_far import Place, Places, estimate_near_and_far, estimates_at
+from helibore.wall.spikes import find_spikes, has_spikes
 from helibore.wall.tuning import errors_and_gains, tuning_with
 from helibore.wall.uncertainty import with_gaps_of_shape
 
@@ -82,15 +83,16 @@ class Choice:
             return f"inverse distance, because {self.reason}"
         chosen = self.settings.estimator
         if not self.errors:
-            return f"{LABELS[chosen]}; its error so far from samples cannot be known{self._biases}"
+            return f"{LABELS[chosen]}; its error so far from samples cannot be known{self._notes}"
         others = ", ".join(f"{LABELS[name]} {1e3 * of:.3g} mm" for name, of in self.errors.items() if name != chosen)
         expected = f"expected error {1e3 * self.errors[chosen]:.3g} mm{self.where}"
-        return f"{LABELS[chosen]}: {expected}; {others}{self._biases}"
+        return f"{LABELS[chosen]}: {expected}; {others}{self._notes}"
 
     @property
-    def _biases(self) -> str:
+    def _notes(self) -> str:
         greatest = 1e3 * max(map(abs, self.settings.arm_biases or ()), default=0.0)
-        return f"; subtracts biases of arms, up to {greatest:.2g} mm" if greatest else ""
+        of_arms = f"; subtracts biases of arms, up to {greatest:.2g} mm" if greatest else ""
+        return f"{of_arms}; spikes hardly count" if self.settings.robust else of_arms
 
     @property
     def where(self) -> str:
@@ -116,14 +118,16 @@ def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> 
     samples = in_depth_order(without_biases(caliper, settings))
     if samples[0].size < FEWEST:
         return Choice(simple, {}, reason=f"{samples[0].size} samples are too few for a fit: at least {FEWEST}")
-    likely = likely_covariances(samples, threads=threads)
+    dense = not leaves_most_unmeasured(samples, settings)
+    settings = replace(settings, robust=dense and has_spikes(samples))
+    likely = likely_covariances(samples, robust=settings.robust, threads=threads)
     if not likely:
         return Choice(simple, {}, reason="all radii are equal")
     if seeks and settings.arm_biases:
         likely = follow_the_shape(caliper, settings.arm_biases, likely[0][0], threads) or likely
         settings = replace(settings, arm_biases=found_biases(caliper, likely[0][0]))
         samples = in_depth_order(without_biases(caliper, settings))
-    if not leaves_most_unmeasured(samples, settings):  # near samples decide, whatever the turn is
+    if dense:  # near samples decide, whatever the turn is
         likely = [(likely[0][0], 1.0)]
     full, seed = near_and_far(likely, settings), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
@@ -152,6 +156,9 @@ def _by_samples_left_out(
     The errors are those at samples that are left out with an empty box around them, less the variance of noise.
     """
     noise = covariance_of(full.covariance or ()).noise
+    if full.robust:  # a spike shows no error
+        good = ~find_spikes(samples, rows)[0]
+        rows, boxes = rows[good], (boxes[0][good], boxes[1][good])
     tuned = tuning_with(samples, simple, {}, _TUNED, threads, seed, _TUNED, may_continue=False).best.settings
     found = [estimate_left_out(samples, rows, of, boxes, threads).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])

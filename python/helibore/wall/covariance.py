@@ -30,6 +30,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import Columns, spread
+from helibore.wall.spikes import find_spikes
 
 FEWEST = 40
 """Number of samples that a fit needs."""
@@ -126,22 +127,28 @@ def fit_covariance(samples: Columns, turning: bool = True, threads: int | None =
     If the radii are quantised, the noise is at least step^2 / 48. Without ``turning``, neither a turn nor a fine term
     is sought, which takes a fifth of the time.
     """
-    likely = likely_covariances(samples, turning, threads)
+    likely = likely_covariances(samples, turning, threads=threads)
     return likely[0][0] if likely else None
 
 
-def likely_covariances(samples: Columns, turning: bool = True, threads: int | None = None) -> Likely:
+def likely_covariances(
+    samples: Columns, turning: bool = True, robust: bool = False, threads: int | None = None
+) -> Likely:
     """Return the fitted covariance, and those with other turns that the samples leave about as likely, with shares.
 
     As `fit_covariance`, [] for None; the shares are those of probability. Few arms that do not cross leave several
-    turns.
+    turns. If ``robust``, spikes have the radius of the samples beside them.
     """
     depth, toolface, radius = samples
     if depth.size < FEWEST or float(np.ptp(radius)) < 1e-9:
         return []
     middle = float(np.median(radius))
     rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
-    blocks = depth[rows].reshape(-1), toolface[rows].reshape(-1), radius[rows].reshape(-1)
+    chosen = rows.reshape(-1)
+    blocks = depth[chosen], toolface[chosen], radius[chosen]
+    if robust:
+        spikes, beside = find_spikes(samples, chosen)
+        blocks = *blocks[:2], np.where(spikes, beside, blocks[2])
     spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
     least_turn = np.inf if not turning else 0.0 if shows_around(samples, _SAME_DEPTH) else _LEAST_TURN
     found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing, least_turn, thread_count(threads))

@@ -24,6 +24,9 @@ SHARE, SMALL_SHARE = 0.35, 0.25
 These and the next two are also in `near_far.cpp`, which says what they do."""
 _LARGE_NOISE = 0.25
 _MOST_AVERAGED = 32
+_BESIDE, _MOST_OFF = 8, 2.5
+"""`Settings.robust`: neighbours with which one is compared, and deviations of the noise by which it may differ. Also in
+`near_far.cpp`."""
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
 
@@ -46,8 +49,11 @@ class Neighbours(NamedTuple):
 class Places:
     """Neighbours of places on the wall among the samples, which are in order of depth."""
 
-    def __init__(self, samples: Columns, covariance: Covariance, count: int, max_distance: float) -> None:
+    def __init__(
+        self, samples: Columns, covariance: Covariance, count: int, max_distance: float, robust: bool = False
+    ) -> None:
         self.samples, self.covariance, self.count, self.max_distance = samples, covariance, count, max_distance
+        self.robust = robust
         self._long = covariance.terms[min(1, len(covariance.terms) - 1)]
         noisy = covariance.noise > _LARGE_NOISE * self._long.variance
         self._share, self._averaged = (SMALL_SHARE, _MOST_AVERAGED) if noisy else (SHARE, 1)
@@ -175,6 +181,8 @@ class Places:
         for whole, parts in zip(of, zip(*neighbours, strict=True), strict=True):
             whole[used] = np.concatenate(parts)
         matrix = np.where(used[:, :, None] & used[:, None], self.between(of), np.eye(used.shape[1]))
+        if self.robust:
+            matrix += self._added(of, used)[..., None] * np.eye(used.shape[1])
         at = np.array(places).T[..., None]
         toward = used * self.toward(of, (at[0], at[1]))
         radius = used * (of.radius - self.covariance.radius)
@@ -185,6 +193,26 @@ class Places:
         estimate = self.covariance.radius + mean + np.sum(toward * (value - mean[:, None] * one), axis=1)
         variance = np.maximum(self.covariance.variance - np.sum(toward * of_place, axis=1) + rest, 0.0)
         return np.where(counts[:, None] > 0, np.column_stack([estimate, variance]), np.nan)
+
+    def _added(self, of: Neighbours, used: Mask) -> Floats:
+        """Return what is added to the noise variance of neighbours that differ from those beside them, m^2."""
+        single, found = used & (of.members == 1.0), np.zeros(used.shape)
+        if used.shape[1] <= _BESIDE:
+            return found
+        along = of.depth[:, :, None] - of.depth[:, None]
+        turned = of.toolface[:, :, None] - of.toolface[:, None] - self.covariance.turn * along
+        turned -= 360.0 * np.round(turned / 360.0)
+        short = self.covariance.terms[0]
+        across = np.radians(turned) * self.covariance.radius
+        square = (short.along / short.around * across) ** 2 + along**2
+        square[:, np.arange(used.shape[1]), np.arange(used.shape[1])] = np.inf
+        square = np.where(single[:, None], square, np.inf)
+        near = np.argpartition(square, _BESIDE - 1, axis=-1)[..., :_BESIDE]
+        beside = np.sort(np.take_along_axis(of.radius[:, None], near.reshape(len(near), 1, -1), -1).reshape(near.shape))
+        low, high = beside[..., 1], beside[..., -2]
+        off = np.maximum(of.radius - high, low - of.radius) > _MOST_OFF * np.sqrt(self.covariance.noise)
+        judged = single & (single.sum(axis=1, keepdims=True) > _BESIDE) & off
+        return np.where(judged, (of.radius - 0.5 * (low + high)) ** 2, 0.0)
 
     def square_error(self, of: Neighbours, weights: Floats, place: Place) -> float:
         """Return the expected square of the error of a weighted mean of neighbours at a place, m^2."""
@@ -206,7 +234,9 @@ def estimates_at(samples: Columns, places: Sequence[Place], settings: Settings, 
     """Return the radius at each place (m) and its variance (m^2) by all likely covariances, (m, 2)."""
     limit = np.inf if settings.max_distance is None else settings.max_distance
     likely = likely_by(settings)
-    found = [Places(samples, of, settings.neighbors, limit).estimates(places, boxes) for of, _ in likely]
+    found = [
+        Places(samples, of, settings.neighbors, limit, settings.robust).estimates(places, boxes) for of, _ in likely
+    ]
     radius, variance = np.moveaxis(np.array(found), 2, 0)
     shares = np.array([share for _, share in likely])
     mean = shares @ radius

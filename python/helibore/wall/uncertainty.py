@@ -49,6 +49,7 @@ from helibore.wall.estimates import (
     estimate_left_out,
     few_rows,
 )
+from helibore.wall.spikes import find_spikes
 from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
@@ -183,6 +184,9 @@ def near_and_far_factor(samples: Columns, settings: Settings) -> float:
 
     covariance = covariance_of(settings.covariance or ())
     rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
+    if settings.robust:  # a spike shows no error
+        good = ~find_spikes(samples, rows)[0]
+        rows, boxes = rows[good], (boxes[0][good], boxes[1][good])
     found = estimate_near_and_far(samples, rows, settings, boxes)
     share = np.abs(found[:, 0] - samples[2][rows]) / np.sqrt(found[:, 1] + covariance.noise)
     share = share[np.isfinite(share)]

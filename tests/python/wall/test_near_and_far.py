@@ -76,6 +76,20 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
             shapes[0] = np.exp(-(a[0] ** 2) / 6.0)
         return np.asarray(sum(term[0] * shape for term, shape in zip(terms, shapes, strict=True)))
 
+    def differing(angles: Floats, down: Floats, value: Floats, single: Floats) -> Floats:
+        added, alone = np.zeros(value.size), np.flatnonzero(single)
+        for row in alone:
+            others = alone[alone != row]
+            along = down[others] - down[row]
+            across = arcs(angles[others] - turns * along, angles[row], at) * terms[0][2] / terms[0][1]
+            beside = value[others[np.lexsort((others, across**2 + along**2))[:8]]]
+            if beside.size < 8:
+                continue
+            low, high = np.sort(beside)[[1, -2]]
+            if max(value[row] - high, low - value[row]) > 2.5 * np.sqrt(noise):
+                added[row] = (value[row] - (low + high) / 2) ** 2
+        return added
+
     def kriged(near: list[int], means: list[list[int]], place: float, angle: float) -> tuple[float, float, int]:
         if not (np.hypot(arcs(toolface[near], angle, at), depth[near] - place) <= limit).any():
             return np.nan, np.nan, 0
@@ -94,7 +108,8 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
         )
         matrix = np.ones((n + 1, n + 1))
         matrix[n, n] = 0.0
-        matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count)
+        added = differing(angles, down, value, count == 1) if settings.robust else np.zeros(n)
+        matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count + added)
         toward = np.append(covariance(angles - angle, down - place), 1.0)
         weights = np.linalg.solve(matrix, toward)
         variance = sum(term[0] for term in terms) - weights @ toward
@@ -161,6 +176,10 @@ CASES: list[dict[str, Any]] = [
     {"shape": "spiral", "n": 6000, "length": 3.0, "covariance": SMOOTH},
     {"shape": "oval", "n": 900, "length": 4.0, "covariance": (0.11, 1e-6, 3e-6, -0.05, 0.2)},
     {"shape": "broken", "n": 900, "length": 4.0, "covariance": (*SMOOTH, 12.5), "max_distance": 2.0},
+    {"shape": "broken", "n": 900, "length": 4.0, "robust": True},
+    {"shape": "oval", "n": 900, "length": 30.0, "covariance": TURNING, "max_distance": 10.0, "robust": True},
+    {"shape": "spiral", "n": 3000, "length": 3.0, "covariance": NOISY, "robust": True},
+    {"shape": "washed", "n": 40, "length": 9.0, "neighbors": 1, "robust": True},
 ]
 
 
@@ -185,6 +204,7 @@ SPLITS += [
     {"covariance": SMOOTH},
     {"covariance": NOISY_TURNING},
     {"other_turns": OTHERS, "max_distance": 2.0},
+    {"robust": True, "max_distance": 3.0},
 ]
 
 
@@ -267,7 +287,9 @@ def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str,
 
 
 @pytest.mark.parametrize(
-    "settings", [{}, {"covariance": NOISY}, {"other_turns": OTHERS}], ids=["samples", "means", "likely"]
+    "settings",
+    [{}, {"covariance": NOISY}, {"other_turns": OTHERS}, {"robust": True}],
+    ids=["samples", "means", "likely", "robust"],
 )
 def test_values_carried_with_the_samples_are_kriged_like_the_radius(settings: dict[str, Any]) -> None:
     columns = random_hole(11, "oval", 3000, 4.0)
@@ -277,6 +299,18 @@ def test_values_carried_with_the_samples_are_kriged_like_the_radius(settings: di
     values = wall.samples.radius.copy()
     values[::7] = np.nan
     assert np.isfinite(wall.interpolate_samples(values, on="vertices")[wall.support > 0]).all()
+
+
+def test_a_robust_wall_hardly_follows_a_spike_and_stays_as_it_is_without_one() -> None:
+    depth, toolface, radius = random_hole(13, "round", 4000, 2.0)
+    radius = 0.11 + 1e-4 * np.random.default_rng(1).normal(size=radius.size)
+    spiked = radius.copy()
+    spiked[::40] += 0.02
+    walls = [near_and_far((depth, toolface, of), robust=robust) for of in (radius, spiked) for robust in (False, True)]
+    off = [np.abs(wall.radius - 0.11) for wall in walls]
+    assert off[2].max() > 2e-3
+    assert off[3].max() < 4e-4
+    assert np.sqrt(np.mean(off[1] ** 2)) < 1.05 * np.sqrt(np.mean(off[0] ** 2))
 
 
 def test_samples_of_a_cell_lower_the_kriging_variance_where_noise_is_large() -> None:
