@@ -75,7 +75,8 @@ class WallSummary:
     ovality, rugosity
         Mean and greatest value of the turns: ovality by API, rugosity in metres over ``rugosity_window``.
     washed_out
-        Metres of washout by `classify`; NaN for a gauge hole, which no tool measured.
+        Metres of washout by `classify`; NaN where it classifies less than half of the whole turns: for a gauge hole,
+        which no tool measured, and where samples see less than half of most turns.
     kinds
         Metres of hole by kind, for the kinds that occur, without gauge hole. They are metres of the turns in zones that
         meet the criterion: gaps that a zone joins count for its length only.
@@ -247,6 +248,7 @@ def summarize(
         for end in turns.diameter_range
     ]
     metres = {kind: float(share[zones.kind == code].sum()) * height for code, kind in enumerate(KINDS) if code}
+    classified = float(share[zones.kind >= 0].sum())
     nearest: Floats | None = getattr(wall, "nearest", None)
 
     def distances() -> Iterator[Floats]:
@@ -276,7 +278,7 @@ def summarize(
         ovality=_mean_and_greatest(logs.ovality_api),
         rugosity=_mean_and_greatest(logs.rugosity),
         rugosity_window=turns.rugosity_window,
-        washed_out=math.nan if turns.basis == "gauge" else metres["washout"],
+        washed_out=metres["washout"] if turns.basis != "gauge" and 2 * classified >= counted else math.nan,
         kinds={kind: length for kind, length in metres.items() if length},
         breakout_axis=zones.breakout_axis(),
         breakout_azimuth=zones.breakout_azimuth(),

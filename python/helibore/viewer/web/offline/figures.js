@@ -134,11 +134,12 @@ export function summaryOf(figures, from, to) {
   const { columns, depth, pitch, sectors, bit, ends, radius, kinds, unmeasuredShape, start: startDepth } = figures;
   const [start, stop] = [from, to].map((end) => Math.min(Math.max(end, ends[0]), ends[1]));
   const shares = sharesInside(figures, start, stop);
-  let [all, counted, square, volume, measured, washed, low, high] = [0, 0, 0, 0, 0, 0, 0, 0];
+  let [all, counted, square, volume, measured, washed, classified, low, high] = [0, 0, 0, 0, 0, 0, 0, 0, 0];
   shares.forEach((share, turn) => {
     all += share;
     measured += share * columns.coverage[turn];
     if (kinds?.[turn] === WASHOUT) washed += share;
+    if (kinds && kinds[turn] >= 0) classified += share;
     if (!Number.isFinite(columns.equivalent_diameter[turn])) return;
     counted += share;
     square += share * columns.equivalent_diameter[turn] ** 2;
@@ -153,7 +154,7 @@ export function summaryOf(figures, from, to) {
   for (let k = first; k < last; k++) if (Number.isNaN(radius[k])) without++;
   const found = {
     start, stop, volume, excess: square / counted / bit ** 2 - 1, whole_turns: counted * Math.abs(pitch), incomplete_turns: (all - counted) * Math.abs(pitch),
-    washed_out: kinds ? washed * Math.abs(pitch) : NaN, without_radius: without / (last - first), coverage: measured / all, mean_diameter: Math.sqrt(square / counted), least_diameter: extreme('least_diameter', Math.min), greatest_diameter: extreme('c1', Math.max),
+    washed_out: kinds && 2 * classified >= counted ? washed * Math.abs(pitch) : NaN, without_radius: without / (last - first), coverage: measured / all, mean_diameter: Math.sqrt(square / counted), least_diameter: extreme('least_diameter', Math.min), greatest_diameter: extreme('c1', Math.max),
   };
   return { ...Object.fromEntries(Object.entries(found).map(([name, value]) => [name, Number.isFinite(value) ? value : null])), ...(high > low ? ranges([low, high], square, volume, counted * bit ** 2) : {}), unmeasured_shape: unmeasuredShape };
 }
