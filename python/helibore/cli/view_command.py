@@ -216,7 +216,13 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
     lock = Lock()
 
     def draw(
-        start: float, stop: float, unit: str, scale: int | None, picture: bytes = b"", template: Template | None = None
+        start: float,
+        stop: float,
+        unit: str,
+        scale: int | None,
+        picture: bytes = b"",
+        template: Template | None = None,
+        with_picks: bool = True,
     ) -> bytes:
         from helibore.plot import pages, rendered
 
@@ -227,6 +233,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]
             options = {"start": max(start, top), "stop": min(stop, bottom), "unit": unit, "scale": scale, **drawing}
             options |= {"picture": picture, "body": ()} if picture else {}
             options |= {"template": template} if template else {}
+            options |= {"with_picks": with_picks}
             return rendered(pages(wall, **options), ".pdf")
 
     return draw

@@ -29,7 +29,7 @@ from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.intervals import tracks_of
-from helibore.logs.picks import PLANES
+from helibore.logs.picks import PLANES, Pick
 from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.turn_logs import Logs, turn_logs
 from helibore.logs.volume_ticks import VolumeTicks, volume_ticks
@@ -105,6 +105,7 @@ class Drawing(PrintSettings):
         "are None, the interval holds all walls.",
     ] = field(default_factory=dict)  # fmt: skip
     picture: Annotated[bytes, "PNG of the wall as the page shows it in 3-D, drawn below the tracks."] = b""
+    with_picks: Annotated[bool, "Whether the picks of the wall are drawn."] = True
     criteria: Annotated[Criteria | None,
         "Criteria of the zones of the wall. None: the defaults. Zones of the walls in ``beside`` are not drawn.",
     ] = None  # fmt: skip
@@ -153,6 +154,11 @@ class Content:
         ends = (self.top if start is None else start, self.bottom if stop is None else stop)
         return summarize(self.state, *ends, zones=self.zones)
 
+    @property
+    def picks(self) -> Sequence[Pick]:
+        """The picks that are drawn."""
+        return _picks(self.wall, self.drawing)
+
     @cached_property
     def state(self) -> WallState:
         """The wall as `WallState`, whose samples are thus copied only once."""
@@ -200,6 +206,10 @@ class Content:
         return (self.bottom - self.top) * 1000.0 / self.scale
 
 
+def _picks(wall: Wall, drawing: Drawing) -> Sequence[Pick]:
+    return wall.picks if drawing.with_picks else ()
+
+
 def content_of(wall: Wall, drawing: Drawing) -> Content:
     """Return what a picture of a wall shows, from the options of the drawing."""
     if len(wall) < wall.settings.sectors:
@@ -227,12 +237,12 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         caliper.ticks = _ticks(zones.logs, drawing)
         tracks.append(caliper)
     scalars = [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
-    picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
+    picks = [pick for pick in _picks(wall, drawing) if top <= pick.depth <= bottom]
     dips: list[PlacedTrack] = (
         [DipTrack(picks, wall.path, reference)] if any(pick.kind in PLANES for pick in picks) else []
     )
     bit_diameter = wall.settings.bit_diameter
-    seen = [pick for pick in wall.picks if pick.reaches(top, bottom, bit_diameter)]
+    seen = [pick for pick in _picks(wall, drawing) if pick.reaches(top, bottom, bit_diameter)]
     ink = partial(draw_picks, picks=seen, left=drawing.left, bit_diameter=bit_diameter)
     calipers = [one.caliper(limits, drawing) for one in others]
     sure = _uncertainty(wall, top, bottom, drawing.size_unit)

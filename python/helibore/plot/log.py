@@ -199,7 +199,7 @@ def _cut(content: Content, top: float, lowest: float) -> float:
     """Return where a page from ``top`` to ``lowest`` at most ends: at the deepest thick line, or else the deepest thin
     line, that cuts no sinusoid of a plane and leaves at most `UNUSED` of the page; if there is none, at a thick line.
     """
-    planes = [pick for pick in content.wall.picks if pick.kind in PLANES]
+    planes = [pick for pick in content.picks if pick.kind in PLANES]
     bit_diameter = content.wall.settings.bit_diameter
     highest = lowest - UNUSED * (lowest - top)
     for apart in (content.lines.coarse, content.lines.fine):

@@ -47,7 +47,7 @@ WIDTHS = (30.0, 17.0, 16.0, 17.0, 20.0, 18.0, 18.0, 26.0, 28.0)
 def in_interval(content: Content) -> list[Pick]:
     """Return the picks in the interval of a drawing, by depth."""
     return sorted(
-        (pick for pick in content.wall.picks if content.top <= pick.depth <= content.bottom),
+        (pick for pick in content.picks if content.top <= pick.depth <= content.bottom),
         key=lambda pick: pick.depth,
     )
 

@@ -104,7 +104,7 @@ def shifts(content: Content) -> list[tuple[str, str, bool]]:
 def picked_and_tops(content: Content) -> list[tuple[str, str, bool]]:
     """Return the rows on the picks and the tops of the interval; none where there is none."""
     wall, unit = content.wall, content.drawing.depth_unit
-    kinds = Counter(pick.kind for pick in wall.picks if content.top <= pick.depth <= content.bottom)
+    kinds = Counter(pick.kind for pick in content.picks if content.top <= pick.depth <= content.bottom)
     picks = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
     starts = [(one.name, one.start) for one in wall.intervals if one.start is not None and not one.track]
     tops = [f"{name} {top / unit.metres:.1f}" for name, top in starts if content.top <= top <= content.bottom]
@@ -207,9 +207,8 @@ def sentence(text: str) -> str:
 def _kinds(content: Content) -> tuple[list[str], list[str]]:
     """Return the kinds of the zones and the kinds of the picks in the interval; the foot explains their colours."""
     zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
-    wall = content.wall
-    reach = content.top, content.bottom, wall.settings.bit_diameter
-    picks = {pick.kind for pick in wall.picks if pick.reaches(*reach)}
+    reach = content.top, content.bottom, content.wall.settings.bit_diameter
+    picks = {pick.kind for pick in content.picks if pick.reaches(*reach)}
     return [kind for kind in LETTERS if kind in zones], [kind for kind in PICK_COLORS if kind in picks]
 
 

@@ -279,7 +279,7 @@ class WebApp:
     async def print_section(self, request: Request) -> Response:
         """Return the section as a PDF; the body of POST is a PNG of the wall in 3-D, drawn below the tracks.
 
-        The query may have the arrangement of the tracks as the text of a template.
+        The query may have the arrangement of the tracks as the text of a template, and ``picks=off``.
         """
         query, draw = request.query_params, self.scene.draw_pages
         if draw is None:
@@ -287,6 +287,7 @@ class WebApp:
         try:
             picture = [exports.checked_picture(await _body(request, MOST_PICTURE))] if request.method == "POST" else []
             arranged = {"template": Template.parse(query["template"])} if "template" in query else {}
+            arranged |= {"with_picks": False} if query.get("picks") == "off" else {}
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
 

@@ -200,6 +200,14 @@ def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall
     assert [abs(end - strike - turn) < 6 for end, turn in zip(ends, (0, 180), strict=True)] == [True, True]
 
 
+def test_a_print_without_the_picks_has_nothing_of_them(wall: hb.Wall) -> None:
+    sheets = [plot.pages(wall, polar=(), body=(), scale=200, dpi=50, with_picks=shown) for shown in (True, False)]
+    said = [{text for page in pages for text in words(page)} for pages in sheets]
+    assert len(sheets[1]) < len(sheets[0])
+    assert {"Poles of planes", "Picks"} <= said[0]
+    assert not {"Poles of planes", "Picks"} & said[1]
+
+
 def test_many_picks_fill_pages_and_none_is_lost() -> None:
     wall = plotted_wall()
     wall.picks += [Pick(kind="bed", depth=2000.5 + 0.1 * at, toolface=9.0, apparent_dip=5.0) for at in range(150)]

@@ -538,7 +538,9 @@ def test_a_print_takes_the_arrangement_of_the_tracks(client: TestClient, feed: A
     refused = client.get(f"/api/print.pdf?start=1001&stop=1004&template={text.replace('width', 'wide')}")
     assert refused.status_code == 400
     assert refused.text.startswith("template, line 3: track 1.wide")
-    assert len(asked) == 1
+    assert client.get("/api/print.pdf?start=1001&stop=1004&picks=off").content == b"%PDF"
+    assert client.get("/api/print.pdf?start=1001&stop=1004&picks=on").content == b"%PDF"
+    assert asked[1:] == [{"with_picks": False}, {}]
 
 
 def test_a_print_takes_a_picture_of_the_page(client: TestClient, feed: Any) -> None:

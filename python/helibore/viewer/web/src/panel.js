@@ -190,6 +190,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   ]);
 }
 
+const REST = 0.01; // metres: the figures end so near to the end of the section
 const LEAST_SHARE = 0.0005; // of a section: less is not written
 // What the figures of a section count, for their tooltips.
 const MEANINGS = {
@@ -207,12 +208,12 @@ const roughly = (value) => String(Number(value.toPrecision(2)));
 export function sectionText(store, summary, units, zones, shown) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
-  const { start, stop, volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without, unmeasured_shape: unsure, volume_text: volumeText, excess_text: excessText } = summary;
+  const { stop, volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without, unmeasured_shape: unsure, volume_text: volumeText, excess_text: excessText } = summary;
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
   const whole = counted + others;
-  // A washout that the figures do not reach yet, because the wall has grown since they were made.
-  const newer = zones.some((zone) => zone.kind === 'washout' && zone.stop > stop && zone.start < shown && zone.stop > start);
+  // A washout in view that the figures do not reach yet, because the wall has grown since they were made.
+  const newer = zones.some((zone) => zone.kind === 'washout' && Math.min(zone.stop, shown) > stop + REST && zone.start < shown);
   /** @type {[number, string][]} */
   const parts = [[number(coverage), ''], [1 - number(coverage) - number(without), ' interpolated'], [number(without), ' empty']];
   /** @type {[string, string, string][]} */
@@ -324,14 +325,15 @@ export function links({ view, store, contents, prints, meshes, renderer: { rects
   byId('las').href = `api/section.las?${query}`;
   byId('glb').href = `api/section.glb?${query}`;
   const scale = printScale(view, rects.image);
-  const look = `units=${view.units}&scale=${scale}`;
+  const look = `units=${view.units}&scale=${scale}&picks=${view.picks}`;
+  const picks = view.picks === 'on' ? ', with its picks' : '';
   byId('print').href = `api/print.pdf?${query}&${look}`;
-  byId('print').title = byId('dipPrint').title = `${showSpan(view.top, view.bottom, view.units)}, in view, on paper at 1:${scale}, with its picks (PDF). Print well, below the log, prints it all.`;
+  byId('print').title = byId('dipPrint').title = `${showSpan(view.top, view.bottom, view.units)}, in view, on paper at 1:${scale}${picks} (PDF). Print well, below the log, prints it all.`;
   const whole = new URLSearchParams(location.search);
   whole.set('start', String(store.span[0]));
   whole.set('stop', String(store.span[1]));
   byId('printAll').href = `api/print.pdf?${whole}&${look}`;
-  byId('printAll').title = `The whole well on paper at 1:${scale}, nearest to the scale in view, ${showDepth((store.span[1] - store.span[0]) / scale, view.units)} long, with its picks (PDF)`;
+  byId('printAll').title = `The whole well on paper at 1:${scale}, nearest to the scale in view, ${showDepth((store.span[1] - store.span[0]) / scale, view.units)} long${picks} (PDF)`;
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }

@@ -185,7 +185,7 @@ export class Picking {
     if (on) {
       if (!this.saves) this.app.notice(this.notSaved, 15);
       this.app.view.release();
-      this.app.view.choose({ follow: false, tab: 'log' });
+      this.app.view.choose({ follow: false, tab: 'log', picks: 'on' });
     }
     this.app.repaint();
   }

@@ -237,7 +237,7 @@ export class Renderer {
     if (straight && rects.wall.width) drawColumn(ink, look);
     else if (gpu && rects.wall.width) late(app)?.drawWallInk(ink, look, gpu, calipers, planes);
     if (rects.wall.width && gpu) more?.drawPipes(ink, look, gpu);
-    drawLegend(ink, look, planes, picking.on || ink.canvas.slide ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
+    drawLegend(ink, look, planes, picking.on || ink.canvas.slide || look.view.picks === 'off' ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
   }
 

@@ -8,8 +8,8 @@ const SUMMARY = {
   greatest_diameter: 0.24, unmeasured_shape: false,
 };
 const store = /** @type {Store} */ (/** @type {unknown} */ ({ basis: 'azimuthal' }));
-/** @param {Partial<Summary>} summary @param {Zone[]} [zones] */
-const figures = (summary, zones = []) => Object.fromEntries(sectionText(store, { ...SUMMARY, ...summary }, 'mm', zones, 2012));
+/** @param {Partial<Summary>} summary @param {Zone[]} [zones] @param {number} [bottom] */
+const figures = (summary, zones = [], bottom = 2012) => Object.fromEntries(sectionText(store, { ...SUMMARY, ...summary }, 'mm', zones, bottom));
 
 test('amounts of a wall that is mostly interpolated have two digits and say that their uncertainty is not known', () => {
   assert.deepEqual([figures({}).Volume, figures({})['Against the bit']], ['0.412 m³ over 10.0 m of whole turns', '+13.7 %']);
@@ -23,4 +23,5 @@ test('a washout that the figures do not reach yet is not counted as none', () =>
   assert.equal(figures({}, [washout(2009, 2011)])['Washed out'], '…');
   assert.equal(figures({}, [washout(2013, 2014)])['Washed out'], '0.0 m of 10.0 m, 0.0 %', 'below the section');
   assert.equal(figures({}, [washout(1990, 1995)])['Washed out'], '0.0 m of 10.0 m, 0.0 %', 'above it');
+  assert.equal(figures({}, [washout(2009, 2011)], 2010)['Washed out'], '0.0 m of 10.0 m, 0.0 %', 'the rest of it is not in view');
 });
