@@ -135,4 +135,4 @@ export const northInWords = (path) => northOf(path) + (path.north ? '' : ' (path
 
 // Return what the two angles are.
 /** @param {Path} path */
-export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth from ${northInWords(path)}` : 'apparent dip / toolface of the deepest point');
+export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth${path.north ? ` from ${path.north} north` : ', north not stated'}` : 'apparent dip / toolface of the deepest point');

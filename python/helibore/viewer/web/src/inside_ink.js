@@ -3,11 +3,11 @@
 
 import { BAR } from './color_bar.js';
 import { linesOf } from './dip_ink.js';
-import { anglesOf, northOf, riseOf, wallPoint } from './dips.js';
+import { anglesOf, planeDepth, riseOf, wallPoint } from './dips.js';
 import { eyeDepth } from './inside.js';
 import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { drawLine, topsOf } from './plane_rings.js';
+import { drawLine, levelStroke, topInWords, topPlanes, topsOf } from './plane_rings.js';
 import { turn } from './turns.js';
 import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
@@ -53,7 +53,7 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
     const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
     if (line === first) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
-      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)} from ${northOf(path)}` : `${showAngle(plane.apparent, 0)} apparent dip`;
+      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)} apparent dip`;
       const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
       const middle = (Math.min(...y) + Math.max(...y)) / 2;
       const low = Math.min(middle + BELOW * (Math.max(...y) - middle) + 16, rect.height - foot - 16 * words.length);
@@ -63,12 +63,14 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
       later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [...UP_OR_DOWN, [44, 0], [-44, 0]], yields: true, margin: 4 }));
     }
   }
-  const named = [...tops.values()];
-  for (const [name, top] of look.intervals) { // a top that is no plane is a ring with its name at one side, away from the depths
-    if (top <= view.top || top >= view.bottom || Math.abs(top - eye) <= near || named.includes(name) || sizeOf(top) <= smallest) continue;
-    ring(ink, (toolface) => at(top, toolface), palette.top, 2);
-    const beside = at(top, (path.dial(top).up ?? 0) + 90, 0.96);
-    if (beside) later(top, () => label(ink, name, Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], ...UP_OR_DOWN], margin: 4 }));
+  for (const top of topPlanes(look, planes.kept)) { // without a pick: a level line, or a ring in a hole that is level itself; its name at one side, away from the depths
+    const { start, picked, plane } = top;
+    if (start <= view.top || start >= view.bottom || Math.abs(start - eye) <= near || picked || sizeOf(start) <= smallest) continue;
+    const side = (path.dial(start).up ?? 0) + 90;
+    if (plane) drawLine(ink, look, { plane, stroke: () => levelStroke(ink, palette) }, gpu);
+    else ring(ink, (toolface) => at(start, toolface), palette.top, 2);
+    const beside = at(plane ? planeDepth(path, plane, side) : start, side, 0.96);
+    if (beside) later(start, () => label(ink, topInWords(top, path), Math.min(beside[0], rect.left + rect.width - 6), beside[1], { colour: palette.top, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], ...UP_OR_DOWN], margin: 4 }));
   }
   const reach = (rect.height * radius) / (2 * gpu.camera.tangent * FAINTEST);
   const [from, to] = [Math.max(view.top, eye - reach), Math.min(view.bottom, eye + reach)];
@@ -83,8 +85,8 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
     }
     lettered ||= letters(ink, look, depth, at, palette);
   }
-  for (const { write } of texts.sort((one, other) => Number(one.isDepth) - Number(other.isDepth) || one.away - other.away)) write();
   heldMark(ink, look, at, palette);
+  for (const { write } of texts.sort((one, other) => Number(one.isDepth) - Number(other.isDepth) || one.away - other.away)) write();
 }
 
 // Mark the held cursor on the wall: a small circle, or a ring around the hole if it has no toolface.
@@ -99,6 +101,8 @@ function heldMark(ink, { view: { cursor, pinned, shape }, store }, at, palette) 
   const r = radii[Math.round(((toolface - level.toolface(k) + 720) % 360) * radii.length / 360) % radii.length];
   const spot = at(depth, toolface, 1 + ((r || store.bitRadius) / store.bitRadius - 1) * (shape || 1));
   if (!spot) return;
+  const [x, y] = spot;
+  ink.canvas.labels.push({ text: '', left: x - 9, right: x + 9, top: y - 9, bottom: y + 9 }); // texts keep clear of it
   for (const [colour, wide] of /** @type {[string, number][]} */ ([[palette.panel, 5], [palette.cursor, 2.4]])) {
     ink.beginPath();
     ink.arc(...spot, 7, 0, 7);

@@ -68,6 +68,14 @@ export const topInWords = ({ name, picked }, path) => `${name}   ${picked ? angl
 /** @param {number} tube @param {boolean} discs */
 export const discsInWords = (tube, discs) => (tube > 1 ? [`tube × ${tube}: traces on it look flatter`, ...(discs ? ['the edges of discs have their true dip'] : [])] : [`tube × ${tube}`]);
 
+// Stroke the level line of a top without a dip.
+/** @param {Ink} ink @param {Palette} palette */
+export function levelStroke(ink, palette) {
+  ink.setLineDash(NO_DIP);
+  outlined(ink, palette.top, palette);
+  ink.setLineDash([]);
+}
+
 // Draw the discs; return a function that writes the names of tops and the angles beside them.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu} gpu */
 export function drawDiscs(ink, look, planes, gpu) {
@@ -77,11 +85,7 @@ export function drawDiscs(ink, look, planes, gpu) {
   /** @param {{ depth: number }} of */
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const tops = topPlanes(look, planes.kept).filter(({ start }) => inView({ depth: start }));
-  const rings = tops.flatMap(({ plane, picked }) => (picked || !plane ? [] : [{ plane, colour: palette.top, level: true, stroke: () => {
-    ink.setLineDash(NO_DIP);
-    outlined(ink, palette.top, palette);
-    ink.setLineDash([]);
-  } }]));
+  const rings = tops.flatMap(({ plane, picked }) => (picked || !plane ? [] : [{ plane, colour: palette.top, level: true, stroke: () => levelStroke(ink, palette) }]));
   const discs = [...linesOf(ink, look, planes).filter(({ plane }) => inView(plane)).map((one) => ({ ...one, level: false })), ...rings].map((disc) => {
     const { centre, high, right, tangent } = disc.plane.frame;
     const towards = minus(gpu.camera.position, gpu.position({ centre }));
@@ -164,7 +168,7 @@ function besideHole({ path, rects: { wall } }, gpu, depth, radius) {
 
 // Draw the line of a plane from inside, thin and a little before the wall, so that the cleft that it marks is seen beside it. Return its
 // points on the picture, one every STEP degrees of toolface.
-/** @param {Ink} ink @param {Look} look @param {ReturnType<typeof linesOf>[0]} line @param {Gpu} gpu */
+/** @param {Ink} ink @param {Look} look @param {Pick<ReturnType<typeof linesOf>[0], 'plane' | 'stroke'>} line @param {Gpu} gpu */
 export function drawLine(ink, { view, path, rects }, { plane, stroke }, gpu) {
   const radius = BEFORE * plane.radius;
   const points = Array.from({ length: 360 / STEP + 1 }, (_, i) => {

@@ -139,7 +139,7 @@ test('the angles of a plane are two numbers, and a legend says what they are and
   const plane = { dip: 34.4, azimuth: 44.6, apparent: 12, deepest: 359.7 };
   assert.deepEqual([anglesOf(plane, made), anglesOf({ ...plane, azimuth: NaN }, made), anglesOf(plane, path(0, 0, { surveyed: false }))], ['34 / 045', '34 / –', '12 / 000']);
   made.north = 'grid';
-  assert.deepEqual([anglesInWords(made), anglesInWords(path(0, 0)), anglesInWords(path(0, 0, { surveyed: false }))], ['dip / azimuth from grid north', 'dip / azimuth from a north that is not stated (path.north states it)', 'apparent dip / toolface of the deepest point']);
+  assert.deepEqual([anglesInWords(made), anglesInWords(path(0, 0)), anglesInWords(path(0, 0, { surveyed: false }))], ['dip / azimuth from grid north', 'dip / azimuth, north not stated', 'apparent dip / toolface of the deepest point']);
 });
 
 test('a top is the nearest bed within 0.2 m of it, and no fracture', () => {
