@@ -145,6 +145,21 @@ class TestPage:
         assert [one.get_attribute("href").endswith("&picking=1") for one in links.all()] == [True] * 3
         screen.close()
 
+    @pytest.mark.parametrize("size", [(1366, 768), (1024, 768), (820, 1180), (390, 844)])
+    def test_every_control_of_the_wells_is_in_any_window_and_no_name_is_cut(
+        self, browser: Any, wells: Any, size: tuple[int, int]
+    ) -> None:
+        screen = Screen(browser, wells[0].url, size=size, drawn=False)
+        names = ["mode", "tube", "units", "fit", "png", "theme", "wells", "tops"]
+        boxes = {name: screen.locator(f"#{name}").bounding_box() for name in names}
+        assert [name for name, box in boxes.items() if not box] == []
+        assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] for box in boxes.values())
+        assert all(box["y"] < size[1] for box in boxes.values())
+        labels, wide = screen.evaluate("[ink.labels, ink.clientWidth]")
+        assert [one["text"] for one in labels if one["left"] < 0 or one["right"] > wide] == []
+        assert any(one["text"].startswith("Bed") for one in labels)
+        screen.close()
+
     def test_wells_stand_where_their_paths_are(self, browser: Any, wells: Any) -> None:
         viewer, walls = wells
         screen = Screen(browser, viewer.url, drawn=False)

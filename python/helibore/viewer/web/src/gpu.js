@@ -325,7 +325,7 @@ export class Gpu {
     const tall = Math.abs(along[2]) * sectionLength + 2.6 * radius;
     const wide = Math.hypot(along[0], along[1]) * sectionLength + 2.6 * radius;
     const share = Math.max(0.5, 1 - (2 * CLEAR) / height);
-    const away = Math.max(tall / share, (1.3 * wide) / Math.max(0.2, width / height)) / 2 / half; // beside the hole stand names
+    const away = Math.max(tall / share, wide / Math.max(0.5, 1 - NAMES / width) / Math.max(0.2, width / height)) / 2 / half;
     this.outside.position = scaled(from, away + radius);
     this.outside.lookAt([0, 0, 0]);
   }
@@ -368,6 +368,7 @@ export class Gpu {
 }
 
 const CLEAR = 80; // pixels above and below the section, for controls, compass and words
+const NAMES = 200; // pixels across for the names beside the hole
 const BIT_SHARE = 0.2; // the bit's radius, as a share of the column's width
 const COLUMN_SHAPE = 3; // the exaggeration of the shape in the column, if the user chose none
 

@@ -67,7 +67,7 @@ export function drawPolar(canvas, look, found, over) {
   const step = niceStep((R / 3 / shape) * per) / per;
   const outer = Math.ceil(widest / step - 1e-9) * step;
   const inner = Math.round((R - R / 2 / shape) / step) * step;
-  const side = leftEdge(look.path, view.cut, depth).known ? EDGE : ANGLES;
+  const side = leftEdge(look.path, view.cut, depth).known || width / 2 - ANGLES < ROOM - 1 ? EDGE : ANGLES;
   const reach = Math.max(10, Math.min(width / 2 - side, height / 2 - EDGE));
   /** @type {Middle} */
   const middle = { x: width / 2, y: height / 2, reach, side };
@@ -210,6 +210,7 @@ function letters(ink, { x, y, reach, side }, { view, path }, depth, palette) {
   const known = leftEdge(path, view.cut, depth).known;
   const names = !known ? ['0°', '90°', '180°', '270°'] : CUTS[view.cut].reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
   names.forEach((name, i) => {
+    if (!known && side === EDGE && i % 2) return; // no room for angles at the sides
     const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
     const align = /** @type {const} */ (['center', 'right', 'center', 'left'])[i];
     label(ink, name, x + dx * (reach + side - 2), y + dy * (reach + EDGE / 2), { colour: palette.ink, align, font: known ? BOLD : SMALL, halo: palette.panel });

@@ -88,13 +88,13 @@ export function drawImageHead(ink, look) {
     const usual = mode === 'static';
     const room = width - ink.measureText(mode).width - 10;
     ink.font = BOLD;
-    const whole = usual && ink.measureText(quantity.name).width > room; // a long name takes the place of what is usual
-    label(ink, fitting(ink, [quantity.name + (units ? ` [${units}]` : ''), quantity.name], whole ? width - 4 : room), left + 2, 11, { colour: palette.ink, font: BOLD });
+    const names = [quantity.name, quantity.name.replace(/(?<=bit) radius/, '')].map((name) => name + (units ? ` [${units}]` : ''));
+    const whole = usual && ink.measureText(names[0]).width > room; // a long name takes the place of what is usual
+    label(ink, fitting(ink, [...names, quantity.name], whole ? width - 4 : room), left + 2, 11, { colour: palette.ink, font: BOLD });
     if (!whole) label(ink, mode, left + width - 2, 11, { colour: usual ? palette.soft : palette.cursor, align: 'right', font: SMALL });
   }
   bar(ink, look, left + POINT, width - 2 * POINT, palette);
-  legend(ink, look, left, palette);
-  letters(ink, look, known, palette);
+  letters(ink, look, known, legend(ink, look, left, palette), palette);
 }
 
 // Draw the colours with their values: at the ends, in the middle and halfway between, as far as there is room.
@@ -114,9 +114,13 @@ function bar(ink, look, left, width, palette) {
   for (const { share, text } of shown) label(ink, text, left + share * width, 37, { colour: palette.ink, align: share === 0 ? 'left' : share === 1 ? 'right' : 'center', font: SMALL });
 }
 
+// Return where the signs end.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
 function legend(ink, { view, quantity, store: { basis, levels }, rects: { image } }, left, palette) {
-  if (view.rig) return void label(ink, quantity.length ? `${unitOf(quantity, view.units)} ${quantity.name.toLowerCase()}` : quantity.name, left, 52, { colour: palette.ink, font: SMALL });
+  if (view.rig) {
+    label(ink, quantity.length ? `${unitOf(quantity, view.units)} ${quantity.name.toLowerCase()}` : quantity.name, left, 52, { colour: palette.ink, font: SMALL });
+    return left;
+  }
   /** @type {[string, typeof DENSE][]} */
   const signs = [['no data', DENSE]];
   if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') signs.push(['interpolated', SPARSE]);
@@ -128,15 +132,18 @@ function legend(ink, { view, quantity, store: { basis, levels }, rects: { image 
     label(ink, text, x + 16, 52, { colour: palette.soft, font: SMALL });
     return x + 28 + ink.measureText(text).width;
   }, left);
-  if (quantity.thin) label(ink, `rows of ${inMetres(quantity.thin)}, drawn each ${inMetres(Math.abs(levels[0].pitch))}`, end, 52, { colour: palette.cursor, font: SMALL, yields: true });
+  if (!quantity.thin) return end;
+  const each = `drawn each ${inMetres(Math.abs(levels[0].pitch))}`;
+  label(ink, fitting(ink, [`rows of ${inMetres(quantity.thin)}, ${each}`, each], image.left + image.width - end), end, 52, { colour: palette.cursor, font: SMALL });
+  return Infinity;
 }
 
 /** @type {Record<string, string>} */
 const SIDES = { U: 'up', D: 'down' }; // of rig mode
 
 // Name the sides of the hole above the image; where they are not known, the tool's own angles, and why.
-/** @param {Ink} ink @param {Look} look @param {boolean} known @param {Palette} palette */
-function letters(ink, { view, path, rects }, known, palette) {
+/** @param {Ink} ink @param {Look} look @param {boolean} known @param {number} end of the signs above them @param {Palette} palette */
+function letters(ink, { view, path, rects }, known, end, palette) {
   const { left, width } = rects.image;
   const { letters: sides, reference, label: cut } = CUTS[view.cut];
   const edge = leftEdge(path, view.cut, view.middle).toolface;
@@ -150,9 +157,8 @@ function letters(ink, { view, path, rects }, known, palette) {
   if (view.rig) return;
   const why = { up: 'vertical here', north: 'runs north', none: 'no survey' }[path.surveyed ? reference : 'none'];
   ink.font = SMALL;
-  for (const text of known ? [cut, cut.replace('cut at ', 'at ')] : [`${why}: the tool’s angles`, 'tool’s angles']) {
-    if (label(ink, text, left + width - 2, 52, { colour: palette.soft, align: 'right', font: SMALL, yields: true, margin: 2 })) return;
-  }
+  const text = (known ? [cut, cut.replace('cut at ', 'at ')] : [`${why}: the tool’s angles`, 'tool’s angles']).find((one) => end + ink.measureText(one).width < left + width);
+  if (text) label(ink, text, left + width - 2, 52, { colour: palette.soft, align: 'right', font: SMALL });
 }
 
 // Return the stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data.

@@ -6,6 +6,7 @@ import { anglesInWords, wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, within } from './layout.js';
 import { niceStep } from './lod.js';
+import { CUTS, leftEdge } from './path.js';
 import { edges, line } from './strokes.js';
 import { discsInWords, drawDiscs } from './plane_rings.js';
 import { drawPlan, offPlan, planInWords } from './planned.js';
@@ -32,12 +33,13 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const top = outside ? HEAD : 0;
   ink.rect(rect.left, top, rect.width, rect.height - top);
   ink.clip();
-  const lines = view.rig ? [] : inLines(ink, inWords(look, planes, tube), rect.width - (slide ? 20 : outside ? 200 : path.surveyed ? 110 : 20));
+  const lines = view.rig ? [] : inLines(ink, inWords(look, planes, tube, slide), rect.width - (slide ? 20 : outside ? 200 : path.surveyed ? 110 : 20));
   const { labels } = ink.canvas; // texts keep off the compass and off the words
   const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
   const wide = outside ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
-  const at = labels.push(foot, { ...foot, left: rect.left + rect.width - (slide ? 0 : wide), right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length }) - 2;
-  if (outside) outsideInk(ink, look, gpu, calipers, planes, palette);
+  const words = { ...foot, left: rect.left + rect.width - (slide ? 0 : wide), right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length };
+  const at = labels.push(foot, words) - 2;
+  if (outside) outsideInk(ink, look, gpu, calipers, planes, palette, words);
   else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
   labels.splice(at, 2);
   if (path.surveyed) {
@@ -47,13 +49,17 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   }
   ink.restore();
   ink.font = FONT;
+  if (outside && !slide) {
+    ink.fillStyle = `${palette.paper}cc`; // the planned path runs below the words
+    ink.fillRect(words.left, words.top, wide, 16 * lines.length);
+  }
   lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, slide ? 11 + 16 * i : rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }
 
 // Return in words how the hole is drawn and what else is seen.
-/** @param {Looks} look @param {Planes} planes @param {number} tube */
-function inWords(look, planes, tube) {
+/** @param {Looks} look @param {Planes} planes @param {number} tube @param {boolean} slide */
+function inWords(look, planes, tube, slide) {
   const { view, path, store, rects } = look;
   const outside = view.camera === 'outside';
   /** @param {number} depth */
@@ -64,6 +70,7 @@ function inWords(look, planes, tube) {
   if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} about the bit radius`);
   if (outside && store.basis === 'azimuthal') words.push('see-through: not sure');
   if (outside && store.plan.length) words.push(...planInWords(look));
+  if (slide && rects.image.width && leftEdge(path, view.cut, view.middle).known) words.push(`image ${CUTS[view.cut].label}`); // its head has no room
   if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
@@ -73,7 +80,7 @@ function inWords(look, planes, tube) {
 
 // Return the words in as few lines as the width allows.
 /** @param {Ink} ink @param {string[]} words @param {number} width */
-function inLines(ink, words, width) {
+export function inLines(ink, words, width) {
   ink.font = FONT;
   /** @type {string[]} */
   const lines = [];
@@ -85,8 +92,8 @@ function inLines(ink, words, width) {
   return lines;
 }
 
-/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes @param {Palette} palette */
-function outsideInk(ink, look, gpu, calipers, planes, palette) {
+/** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes @param {Palette} palette @param {Box} words those at the foot */
+function outsideInk(ink, look, gpu, calipers, planes, palette, words) {
   const { view, path, store, rects } = look;
   const rect = rects.wall;
   const tube = view.tubeFactor(store);
@@ -94,6 +101,8 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
   if (store.plan.length) drawPlan(ink, look, gpu);
   const writeAngles = drawDiscs(ink, look, planes, gpu);
   zonesBeside(ink, look, gpu, palette);
+  const { cursor } = view;
+  if (cursor && cursor.depth >= view.top && cursor.depth <= view.bottom) cursorRing(ink, look, cursor.depth, gpu, palette); // below the words
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const beside = store.bitRadius * tube * 1.3;
   /** @type {Pair[]} */
@@ -110,26 +119,29 @@ function outsideInk(ink, look, gpu, calipers, planes, palette) {
     label(ink, text, level ? at[0] : Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
     const off = store.plan.length && !level ? offPlan(look, depth) : null;
     if (off) {
-      const words = `${showDepth(off.away, view.units, 1)} off`;
-      const [end, wide] = [at[0] + 16 + ink.measureText(text).width, ink.measureText(words).width];
+      const away = `${showDepth(off.away, view.units, 1)} off`;
+      const [end, wide] = [at[0] + 16 + ink.measureText(text).width, ink.measureText(away).width];
       const edge = rect.left + rect.width - 4;
-      label(ink, words, Math.min(end, edge - wide), at[1], { colour: palette.max, halo: palette.paper, font: SMALL, near: [[0, end + wide > edge ? 14 : 0]], yields: true, margin: 1 });
+      label(ink, away, Math.min(end, edge - wide), at[1], { colour: palette.max, halo: palette.paper, font: SMALL, near: [[0, end + wide > edge ? 14 : 0]], yields: true, margin: 1 });
     }
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
   writeAngles();
-  scaleBar(ink, look, gpu, palette);
+  scaleBar(ink, look, gpu, palette, words);
   cursorLabel(ink, look, gpu, beside, palette);
 }
 
 // Draw a bar with its length, as it is in the middle of the section.
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
-function scaleBar(ink, { view, path, rects: { wall: rect } }, gpu, palette) {
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette @param {Box} words */
+function scaleBar(ink, { view, path, rects: { wall: rect } }, gpu, palette, words) {
   const frame = path.at(view.middle);
   const [a, b] = [0, 1].map((metres) => gpu.project(frame, rect, scaled(gpu.camera.axes[0], metres)));
-  if (a && b) bar(ink, rect.left + 92, rect.height - 46, b[0] - a[0], view, palette); // beside the compass
+  const left = rect.left + 92; // beside the compass, or above the words
+  if (a && b) bar(ink, left, Math.min(rect.height - 46, words.left < left + LONGEST_BAR ? words.top - 10 : Infinity), b[0] - a[0], view, palette);
 }
+
+const LONGEST_BAR = 100; // pixels
 
 // Draw a bar of at least 40 pixels, with its length above it.
 /** @param {Ink} ink @param {number} x @param {number} y @param {number} perMetre @param {View} view @param {Palette} palette */
@@ -178,7 +190,6 @@ function cursorLabel(ink, look, gpu, beside, palette) {
   const { view, path, rects } = look;
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const frame = path.at(view.cursor.depth);
-  cursorRing(ink, look, view.cursor.depth, gpu, palette);
   const at = gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
   if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], [0, -16], [0, 16], [0, -32], [0, 32]] });
 }

@@ -5,18 +5,19 @@ import { Orbit } from './camera.js';
 import { casingsIn, shoeInWords } from './columns.js';
 import { anglesOf, wallPoint } from './dips.js';
 import { Flat } from './flat.js';
-import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { BOLD, fitting, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
 import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
 import { byId } from './dom.js';
 import { depthNumber, depthUnit } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
-import { compass } from './wall_ink.js';
+import { compass, inLines } from './wall_ink.js';
 
 const WIDE = 2.4; // of a disc, in radii of the drawn hole: the scene is seen from afar
 const STEPS = 24; // of the strip of a bed from its top to its base
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
+const NAMES = 170; // pixels across, for the names beside the wells
 const FROM = [-0.5, -1, 0.35]; // direction from which the scene is seen at first, if another does not show wells and picks better
 
 export class Scene {
@@ -90,7 +91,7 @@ export class Scene {
       const seen = points.map((point) => camera.project(point)).filter((at) => at !== null);
       const [[left, right], [lower, upper]] = [0, 1].map((axis) => seen.map((at) => at[axis])).map((places) => [Math.min(...places), Math.max(...places)]);
       orbit.target = plus(plus(orbit.target, camera.axes[0], ((left + right) / 2) * far * camera.tangent * camera.aspect), camera.axes[1], ((lower + upper) / 2) * far * camera.tangent);
-      far *= Math.max((right - left) / 2 / ACROSS, (upper - lower) / 2 / UPWARDS, 0.5) ** 0.7;
+      far *= Math.max((right - left) / 2 / Math.max(0.5, Math.min(ACROSS, 1 - NAMES / rect.width)), (upper - lower) / 2 / UPWARDS, 0.5) ** 0.7;
     }
     this.fitted = true;
     this.seen = this.wells.drawn.length;
@@ -285,6 +286,11 @@ export class Scene {
     const { wells } = this;
     const { gpu, drawn, view } = wells;
     const palette = PALETTES[view.theme];
+    /** @param {string[]} texts @param {number} width */
+    const within = (texts, width) => {
+      ink.font = SMALL_BOLD;
+      return fitting(ink, texts, width);
+    };
     for (const well of drawn) {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, 2.5 * well.store.bitRadius * wells.tube]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
@@ -303,7 +309,7 @@ export class Scene {
         if (!at) continue;
         const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => at[1] + dy > lowest);
         const x = top.plane ? beside(top.plane, 1)[0] : at[0];
-        const place = near.length ? label(ink, topInWords(top, well.path), x + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
+        const place = near.length ? label(ink, within([topInWords(top, well.path), top.name], rect.left + rect.width - x - 12), x + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
         lowest = place ? at[1] + place[1] : lowest;
       }
       for (const plane of this.picksOf(well, tops)) {
@@ -313,7 +319,7 @@ export class Scene {
       for (const casing of casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1])) {
         const at = this.project(this.at(well, casing[2] ?? 0), rect);
         const side = at && this.project(plus(this.at(well, casing[2] ?? 0), wells.gpu.outside.axes[0], -0.6 * (casing[4] ?? 0) * wells.tube), rect);
-        if (side) label(ink, shoeInWords(casing, view.units), side[0] - 6, side[1], { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
+        if (side) label(ink, within([shoeInWords(casing, view.units), 'shoe'], side[0] - 10), side[0] - 6, side[1], { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
       }
     }
     drawn.slice(0, -1).forEach((well, i) => { // where a bed ends that one of two wells lacks is not known
@@ -322,13 +328,14 @@ export class Scene {
         if (!a || !b || !base || !lacks || wells.hidden.has(name)) continue;
         const ends = [...a.map((depth) => this.at(well, depth)), ...b.map((depth) => this.at(drawn[i + 1], depth))];
         const at = this.project(scaled(ends.reduce((sum, point) => plus(sum, point)), 0.25), rect);
-        if (at) label(ink, '?', ...at, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+        if (at) label(ink, '?', ...at, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
       }
     });
     compass(ink, gpu, rect, palette);
     const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
     const words = [...(planes ? discsInWords(wells.tube, true) : [`tube × ${wells.tube}`]), ...(wells.note ? ['places not stated'] : [])];
-    label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right' });
+    const lines = inLines(ink, words, rect.width - 120); // beside the compass
+    lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   }
 
   // Write true depths at an upright edge of the box, and east and north along the floor.
@@ -340,14 +347,16 @@ export class Scene {
     /** @param {Vector} place @param {string} text @param {CanvasTextAlign} align @param {number} dx @param {number} dy */
     const at = (place, text, align, dx, dy) => {
       const seen = this.project(place, rect);
-      if (seen) label(ink, text, seen[0] + dx, seen[1] + dy, { colour: palette.soft, halo: palette.paper, align, font: SMALL, yields: true, margin: 3 });
+      ink.font = SMALL;
+      const start = seen ? seen[0] + dx - (align === 'right' ? ink.measureText(text).width : 0) - rect.left : -1;
+      if (seen && start > 0 && start + ink.measureText(text).width < rect.width) label(ink, text, seen[0] + dx, seen[1] + dy, { colour: palette.soft, halo: palette.paper, align, font: SMALL, yields: true, margin: 3 });
     };
     const { back: [x, y], front } = this.sides();
     const ends = [[x, front[1]], [front[0], y]].map(([across, along]) => [across, along, high[2]]);
     const [edge] = ends.sort((a, b) => (this.project(a, rect)?.[0] ?? 0) - (this.project(b, rect)?.[0] ?? 0)); // the left one
     for (const tick of up) at([edge[0], edge[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
     const head = this.project(edge, rect);
-    if (head) label(ink, `TVD ${depthUnit(units)}`, head[0] - 6, head[1] - 8, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
+    if (head) label(ink, `TVD ${depthUnit(units)}`, Math.max(52, head[0] - 6), head[1] - 8, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
     const right = (this.project([front[0], y, low[2]], rect)?.[0] ?? 0) > (this.project([x, front[1], low[2]], rect)?.[0] ?? 0); // whether the north edge is at the right
     for (const tick of east) at([tick.at, front[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, right ? 'right' : 'left', right ? -2 : 2, 12);
     for (const tick of north) at([front[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, right ? 'left' : 'right', right ? 6 : -6, 10);
