@@ -43,6 +43,8 @@ RESTS = 10.0
 """Seconds after which a bit that has not moved on counts as hanging: it may move either way."""
 MOVES_ON = 0.05
 """Metres that it moves on at least."""
+HEAVES, HEAVE = 30.0, 3.0
+"""Seconds after the bit turned round, and metres from there, within which it may only heave: it hangs."""
 MORE = 15.0
 """Metres of hole on both sides that are solved beforehand while the string is tripped, and last while the wall does."""
 LEAST_GAP = 0.25
@@ -147,8 +149,10 @@ class Ahead:
 
     def __init__(self, live: Live) -> None:
         self._live = live
-        self._from, self._up = math.nan, True  # where the bit turned round last, and whether it moves up
+        self._from, self._heads_up = math.nan, True  # the farthest place on the way of the bit, and whether that is up
         self._moves = self._on_bottom = False
+        self._turned, self._at = math.nan, 0  # where the bit turned round last, and when
+        self._up = True  # whether it moves up, but for heave
         self._last, self._since = math.nan, 0  # where the bit moved on last, and when
         self._due = 0.0
         self._known: object = None  # the wall of which `_bodies` are known, between the depths `_ends`
@@ -175,15 +179,14 @@ class Ahead:
         if not bit or not limits.ahead or (limits.tight is None and not model.configuration.string):
             self._from, self._moves, self.outlook = math.nan, False, None
             return None
-        self._on_bottom = model.rig.on_bottom
+        self._on_bottom, now = model.rig.on_bottom, self._live.clock()[1]
         if self._on_bottom:
-            self._from, self._moves, self._up = math.nan, False, True
+            self._from, self._turned, self._moves, self._up, self._heads_up = math.nan, math.nan, False, True, True
         else:
-            self._follow(bit[0])
-        now = self._live.clock()[1]
+            self._follow(bit[0], now)
         if not abs(bit[0] - self._last) < MOVES_ON:
             self._last, self._since = bit[0], now
-        hangs = now - self._since > RESTS * SECOND
+        hangs = now - self._since > RESTS * SECOND or self._heaves(bit[0], now)
         moving = ("up" if self._up else "down") if self._moves and not hangs else ""
         if time.monotonic() >= self._due:
             began = time.thread_time()
@@ -192,15 +195,23 @@ class Ahead:
         self.outlook = self._look_around(bit[0], limits.ahead, moving)
         return self.found if self._moves and limits.tight is not None else None
 
-    def _follow(self, bit: float) -> None:
-        """Find out in which direction the bit has moved by MOVED."""
+    def _follow(self, bit: float, now: int) -> None:
+        """Find out in which direction the bit has moved by MOVED, and does not only heave."""
         if self._from != self._from:
             self._from = bit
         up = bit < self._from
-        if self._moves and up == self._up:
+        if self._moves and up == self._heads_up:
             self._from = bit  # the farthest place in this direction
         elif abs(bit - self._from) >= MOVED:
-            self._moves, self._up, self._from = True, up, bit
+            if self._moves:
+                self._turned, self._at = self._from, now
+            self._moves, self._heads_up, self._from = True, up, bit
+        if not self._heaves(bit, now):
+            self._up = self._heads_up
+
+    def _heaves(self, bit: float, now: int) -> bool:
+        """Return whether the bit turned round so short a time ago, and so near, that it may only heave."""
+        return now - self._at < HEAVES * SECOND and abs(bit - self._turned) < HEAVE
 
     def _solve(self, bit: float, limits: AlarmLimits) -> None:
         """Find where each body sticks in the hole around the bit, unless that is known of this wall."""

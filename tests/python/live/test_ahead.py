@@ -124,7 +124,7 @@ def test_on_bottom_nothing_is_ahead():
     trip = Trip()
     for bit in (116.0, 114.0):
         trip.to(bit, hole=140.0)
-    trip.to(116.5, hole=140.0)
+    trip.to(117.1, hole=140.0)
     assert trip.said
     trip.to(130.0, hole=130.1)
     assert trip.said == []
@@ -200,6 +200,32 @@ def test_a_bit_that_hangs_may_move_either_way_and_its_alarm_stays():
     assert trip.said == [said]
     trip.to(127.9)
     assert trip.alarms.ahead.outlook.moving == "up"
+
+
+def test_a_bit_that_heaves_hangs_until_it_has_left_the_place():
+    """A metre up and down in ten seconds, above hole that is tight; the second way would have been said each time."""
+    trip = Trip()
+    for bit in (112.0, 113.0):
+        trip.to(bit)
+    (said,) = trip.said
+    moving = set()
+    for _ in range(6):
+        for bit in (115.0, 113.0):
+            trip.to(bit)
+            moving.add(trip.alarms.ahead.outlook.moving)
+            assert trip.said == [said], "the alarm is that of the way it took before"
+    assert moving == {"down", ""}
+    assert trip.alarms.ahead.outlook.moving == ""
+    trip.to(112.5)
+    assert trip.alarms.ahead.outlook.moving == "", "two metres and a half from where it turned round"
+    trip.to(110.0)
+    assert trip.alarms.ahead.outlook.moving == "up", "five, and it is tripped"
+    assert trip.said == []
+    trip.to(110.5)
+    assert trip.alarms.ahead.outlook.moving == ""
+    for step in range(1, 8):
+        trip.to(110.5 + 0.1 * step)
+    assert trip.alarms.ahead.outlook.moving == "down", "slowly on for half a minute"
 
 
 def test_the_worst_of_several_tight_places_is_named_beside_the_nearest():
