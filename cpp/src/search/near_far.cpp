@@ -426,8 +426,8 @@ void NearFar::run(const Samples& samples, const Helix& helix, Index group, Searc
             result.iterations[to] = 1;
             result.reach_square[to] = kernel::boundless_square;
             result.sums.square_weights[to] = g.sums.square_weights[from];
-            const double zero = g.support[from] > 0.0 ? 0.0 : nan;
-            result.sums.scatter[to] = result.sums.along[to] = result.sums.across[to] = zero;
+            result.sums.scatter[to] = g.support[from] > 0.0 ? g.sums.scatter[from] : nan;
+            result.sums.along[to] = result.sums.across[to] = g.support[from] > 0.0 ? 0.0 : nan;
         }
     });
 }
@@ -469,14 +469,16 @@ void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group,
         result.deep = std::max(result.deep, found[k].deep);
     }
     for (Index i = 0; i < lanes; ++i) {
-        double radius = 0.0, square = 0.0;
+        double radius = 0.0, square = 0.0, scatter = 0.0;
         for (std::size_t k = 0; k < each_.size(); ++k) radius += each_[k].share * found[k].radius[i];
         for (std::size_t k = 0; k < each_.size(); ++k) {
             const double off = found[k].radius[i] - radius;
             square += each_[k].share * (found[k].sums.square_weights[i] + off * off);
+            scatter += each_[k].share * found[k].sums.scatter[i];
         }
         result.radius[i] = radius;
         result.sums.square_weights[i] = square;
+        result.sums.scatter[i] = scatter;
     }
 }
 

@@ -35,7 +35,7 @@ from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_
 from helibore.wall.near_and_far import Place, Places, estimate_near_and_far, estimates_at
 from helibore.wall.spikes import find_spikes, has_spikes
 from helibore.wall.tuning import errors_and_gains, tuning_with
-from helibore.wall.uncertainty import with_gaps_of_shape
+from helibore.wall.uncertainty import shows_events, with_gaps_of_shape
 
 CERTAIN = 1.0
 """Standard errors by which near and far neighbours must be better at samples that are left out."""
@@ -191,7 +191,7 @@ def _root(squares: Floats) -> float:
 
 def _known_places(samples: Columns, settings: Settings) -> tuple[list[Place], float]:
     """Return random places of the wall where an arm saw it, and their share of all places."""
-    rules = with_gaps_of_shape(samples, settings)
+    rules = with_gaps_of_shape(samples, settings, shows_events(samples, settings, thread_count(None)))
     spread, gaps = spread_gaps(samples, settings, rules.gap_reach)
     chosen = np.random.default_rng(content_seed(samples)).choice(gaps.size, min(_PLACES, gaps.size), replace=False)
     known = chosen[gaps[chosen] <= rules.largest_gap]

@@ -26,6 +26,13 @@ those of one to three arms: these cannot show how the shape changes around the h
 of the long term around the hole (two thirds of it if the term repeats after half a turn) may hide a shape, unless the
 shape turns past the arms.
 
+Samples metres away say nothing about a breakout of a metre. If at more than 0.1 % of places spread over the wall the
+scatter of the samples near (what each differs from the estimate of those above it, squared, over the variance of that)
+is above 4 times what the covariance leads to expect, the hole has such short events: it is not alike all along. Then
+the variance is multiplied by the scatter at each vertex, so that sigma is large beside what the samples show to change,
+and small elsewhere; and gaps of the turn are those of the other estimators, because an event in a wider one is seen by
+none.
+
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 """
@@ -57,6 +64,11 @@ _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
 _CLOSE = 0.1  # metres: samples that are not so close do not tell noise from a rough wall
 _OF_HALF_TURNS = 2.0 / 3.0  # share of the length around of a term that repeats after half a turn
+_EVENT = 4.0
+"""Scatter of the samples near a place, over what the covariance leads to expect, that a short event has: in holes that
+are alike all along it was at most 3.1."""
+_EVENTS = 1e-3  # share of the places
+_PLACES = 20_000  # about
 _ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
 NORMAL_95 = 1.959964
 
@@ -124,13 +136,16 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     variance = factor**2 * wall.sums[0]
     if _far_apart(samples, wall.settings, covariance.radius):
         variance += factor**2 * _ROUGHNESS * covariance.noise
+    events = shows_events(samples, wall.settings, threads)
+    if events:
+        variance *= wall.sums[1]
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
         arm, products = remaining
         shares = arm_shares(wall.sample_columns, arm, wall.settings, threads)
         variance += np.einsum("in,ij,jn->n", shares, products, shares)
     sigma: Floats = np.sqrt(variance)
-    sigma[_unmeasured(replace(wall, settings=with_gaps_of_shape(samples, wall.settings)))] = np.nan
+    sigma[_unmeasured(replace(wall, settings=with_gaps_of_shape(samples, wall.settings, events)))] = np.nan
     return sigma
 
 
@@ -142,11 +157,28 @@ def _far_apart(samples: Columns, settings: Settings, radius: float) -> bool:
     return bool(np.sum(nearest <= _CLOSE) < 0.5 * rows.size)
 
 
-def with_gaps_of_shape(samples: Columns, settings: Settings) -> Settings:
+def shows_events(samples: Columns, settings: Settings, threads: int) -> bool:
+    """Return whether samples show short events, such as breakouts, which the covariance of the hole does not have."""
+    length = float(np.ptp(samples[0]))
+    pitch = max(abs(settings.pitch), length * settings.sectors / _PLACES)
+    places = replace(
+        settings, sigma=True, direct=False, pitch=pitch, start_depth=None, stop_depth=None, first_vertex=0,
+        stop_vertex=None,
+    )  # fmt: skip
+    wall = _core.Wall(vars(places), threads, "automatic")
+    wall.append(*samples)
+    scatter = wall.sums()[1]
+    return bool(np.sum(scatter > _EVENT) > _EVENTS * scatter.size)
+
+
+def with_gaps_of_shape(samples: Columns, settings: Settings, events: bool) -> Settings:
     """Return the settings with the ``gap_reach`` and ``largest_gap`` for near and far neighbours.
 
-    `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known.
+    `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known. With short ``events`` they are
+    those of the other estimators.
     """
+    if events:
+        return settings
     from helibore.wall.covariance import covariance_of, shows_around
 
     covariance = covariance_of(settings.covariance or ())

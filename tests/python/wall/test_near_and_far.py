@@ -42,19 +42,20 @@ def cells_of(depth: Floats, toolface: Floats, radius: float, size: tuple[float, 
     return list(cells.values())
 
 
-def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats]:
-    """Radius, variance and number of neighbours of each vertex, by all likely covariances."""
+def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats, Floats]:
+    """Radius, variance, scatter and number of neighbours of each vertex, by all likely covariances."""
     assert wall.settings.covariance is not None
     others = np.reshape(wall.settings.other_turns or (), (-1, 10)).tolist()
     shares = np.array([1.0 - sum(share for share, *_ in others), *(share for share, *_ in others)])
     each = [by_one(columns, wall, of) for of in (wall.settings.covariance, *(values for _, *values in others))]
     radius = sum(share * of[0] for share, of in zip(shares, each, strict=True))
     variance = sum(share * (of[1] + (of[0] - radius) ** 2) for share, of in zip(shares, each, strict=True))
-    return np.asarray(radius), np.asarray(variance), each[0][2]
+    scatter = sum(share * of[2] for share, of in zip(shares, each, strict=True))
+    return np.asarray(radius), np.asarray(variance), np.asarray(scatter), each[0][3]
 
 
-def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -> tuple[Floats, Floats, Floats]:
-    """Radius, variance and number of neighbours of each vertex, from all samples and by the bordered system."""
+def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -> tuple[Floats, ...]:
+    """Radius, variance, scatter and number of neighbours of each vertex, from all samples, by the bordered system."""
     depth, toolface, radius = (column[np.lexsort(columns[1::-1])] for column in columns)
     settings = wall.settings
     at, noise, *values = given
@@ -90,10 +91,12 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
                 added[row] = (value[row] - (low + high) / 2) ** 2
         return added
 
-    def kriged(near: list[int], means: list[list[int]], place: float, angle: float) -> tuple[float, float, int]:
+    def kriged(
+        near: list[int], means: list[list[int]], middle_of: Floats, place: float, angle: float
+    ) -> tuple[float, float, float, int]:
         if not (np.hypot(arcs(toolface[near], angle, at), depth[near] - place) <= limit).any():
-            return np.nan, np.nan, 0
-        members = [[row] for row in near] + means
+            return np.nan, np.nan, np.nan, 0
+        members = sorted([[row] for row in near] + means)
         count, n = np.array([len(of) for of in members]), len(members)
         down = np.array([depth[of].mean() for of in members])
         value = np.array([radius[of].mean() for of in members])
@@ -114,7 +117,13 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
         weights = np.linalg.solve(matrix, toward)
         variance = sum(term[0] for term in terms) - weights @ toward
         low, half = value.min(), 0.5 * np.ptp(value)
-        return np.clip(weights[:n] @ value, low - half, low + 3.0 * half), variance, n
+        root = np.linalg.cholesky(matrix[:n, :n])
+        one, of_value = np.linalg.solve(root, np.ones(n)), np.linalg.solve(root, value)
+        off = of_value - (one @ of_value) / (one @ one) * one
+        apart = np.hypot(arcs(angles, middle_of[1], at), down - middle_of[0])
+        shares = 0.09 / (0.09 + apart**2)
+        scatter = (3.0 + shares @ off**2) / (3.0 + shares.sum())
+        return np.clip(weights[:n] @ value, low - half, low + 3.0 * half), variance, scatter, n
 
     long = terms[min(1, len(terms) - 1)]
     noisy = noise > 0.25 * long[0]
@@ -152,7 +161,7 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
             across = np.maximum(turn - np.radians(3.5 * 360.0 / settings.sectors) * at, 0.0)
         far = nearest(across, along, long, leads, wanted)
         means = [of_first[row] for row in sorted(far)]
-        found += [kriged(sorted(rows), means, place, angle) for place, angle in group]
+        found += [kriged(sorted(rows), means, group[4], place, angle) for place, angle in group]
     return tuple(np.array(found).T)
 
 
@@ -191,10 +200,11 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
     wall = near_and_far(
         columns, sigma=True, **settings, start_depth=wall.start_depth, stop_vertex=len(wall) // 8 * 8,
     )  # fmt: skip
-    radius, variance, support = reference(columns, wall)
+    radius, variance, scatter, support = reference(columns, wall)
     np.testing.assert_array_equal(wall.support, support)
     np.testing.assert_allclose(wall.radius, radius, rtol=0, atol=1e-8)
     np.testing.assert_allclose(wall._core.sums()[0] ** 0.5, variance**0.5, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(wall._core.sums()[1], scatter, rtol=1e-6)
 
 
 SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]

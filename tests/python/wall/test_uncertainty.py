@@ -156,16 +156,64 @@ def test_a_gap_that_may_hide_a_breakout_has_none() -> None:
     assert np.mean(error[known] <= 1.96 * sigma[known]) > 0.9
 
 
+def with_breakouts(depth: Floats, toolface: Floats) -> Floats:
+    """An oval hole with three breakouts of 0.6 to 3 m."""
+    radius = 0.109 + 0.002 * np.cos(2 * np.radians(toolface - 40.0)) + 0.0 * depth
+    off = (toolface - 70.0 + 90.0) % 180.0 - 90.0
+    for middle, height, most in ((12.0, 1.5, 0.015), (23.0, 0.6, 0.012), (32.0, 3.0, 0.02)):
+        radius += most * np.exp(-((off / 20.0) ** 2)) * (np.abs(depth - middle) < height / 2)
+    return radius
+
+
+def turning_arms() -> tuple[Floats, Floats, dict[str, Any]]:
+    rows = np.arange(0.0, 40.0, 0.15)
+    depth, arm = np.repeat(rows, 4), np.tile(np.arange(4), rows.size)
+    return depth, (90.0 * arm + 3.0 * depth) % 360.0, {"arm": arm}
+
+
+def rotating_tool() -> tuple[Floats, Floats, dict[str, Any]]:
+    rng = np.random.default_rng(1)
+    return np.sort(rng.uniform(0.0, 40.0, 3200)), rng.uniform(0.0, 360.0, 3200), {}
+
+
+@pytest.mark.parametrize(("tool", "most"), [(turning_arms, 0.02), (rotating_tool, 0.15)], ids=["arms", "rotating"])
+def test_the_interval_covers_a_short_breakout_of_an_oval_hole_or_is_not_stated(tool: Any, most: float) -> None:
+    """The covariance of the hole is that of the oval, which is alike all along: breakouts are too few to change it."""
+    depth, toolface, arms = tool()
+    radius = with_breakouts(depth, toolface) + np.random.default_rng(2).normal(0.0, 4e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, **arms), bit_diameter=BIT, estimator="automatic")
+    assert wall.settings.estimator == "near-and-far"
+    sigma, real = wall.sigma, with_breakouts(wall.depth, wall.toolface)
+    assert np.isnan(sigma[wall.angular_gap > wall.settings.largest_gap]).all()
+    wrong, broken = np.abs(wall.radius - real) > 1.96 * sigma, real > 0.115
+    assert wrong[broken].mean() <= most
+    assert wrong[~broken & np.isfinite(sigma)].mean() < 0.05
+
+
+def test_samples_metres_away_tell_the_shape_of_a_hole_that_is_alike_all_along() -> None:
+    depth, toolface, arms = turning_arms()
+    oval = 0.109 + 0.002 * np.cos(2 * np.radians(toolface - 40.0))
+    samples = hb.Caliper(depth, toolface, oval + np.random.default_rng(2).normal(0.0, 4e-4, depth.size), **arms)
+    wall = hb.reconstruct(samples, bit_diameter=BIT, estimator="automatic")
+    sigma = wall.sigma
+    held = np.abs(wall.radius - 0.109 - 0.002 * np.cos(2 * np.radians(wall.toolface - 40.0))) <= 1.96 * sigma
+    known = np.isfinite(sigma)
+    assert known[wall.angular_gap > wall.settings.largest_gap].mean() > 0.9
+    assert held[known].mean() > 0.93
+
+
 def test_one_pass_of_two_arms_that_turn_is_known_near_them_alone() -> None:
     """A shape that changes within some metres along the hole gives the same samples as one that changes around it."""
     depth = np.repeat(np.arange(0.0, 20.0, 0.05), 2)
     toolface = (np.tile([17.0, 197.0], depth.size // 2) + 12.0 * depth) % 360.0
-    samples = hb.Caliper(depth, toolface, truth(depth, toolface))
-    short, long = ((0.11, 2.5e-7, 4e-8, 0.05, 0.02, 2e-5, 0.27, along) for along in (2.6, 100.0))
+    oval = 0.109 + 0.004 * np.cos(2.0 * np.radians(toolface))
     walls = [
-        hb.reconstruct(samples, bit_diameter=BIT, estimator="near-and-far", covariance=of, max_distance=10.0)
-        for of in (short, long)
-    ]
+        hb.reconstruct(
+            hb.Caliper(depth, toolface, oval), bit_diameter=BIT, estimator="near-and-far", max_distance=10.0,
+            covariance=(0.11, 2.5e-7, 4e-8, 0.05, 0.02, 2e-5, 0.27, along),
+        )
+        for along in (2.6, 100.0)
+    ]  # fmt: skip
     known = np.isfinite(walls[0].sigma)
     assert 0.0 < known.mean() < 0.1
     assert np.all(walls[0].angular_gap[known] <= 60.0)

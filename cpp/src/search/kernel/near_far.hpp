@@ -9,6 +9,10 @@
 // the toolface also less what the shape turns from there. The sine of half the difference of two toolfaces is then
 // s1 c2 - c1 s2. The solution is that of kriging.hpp, with one
 // matrix for all vertices: a pack holds eight columns of it, or the covariances of a neighbour with the eight vertices.
+//
+// The scatter of a group is how far its neighbours are off: the mean square of what each differs from the estimate of
+// those before it, over the variance of that. It is about 1 where the covariance describes the hole, and above where
+// radii change more. Neighbours count as near_square / (near_square + distance^2), and `usual_count` more have 1.
 #pragma once
 
 #include <algorithm>
@@ -18,6 +22,8 @@
 
 namespace helibore::kernel {
 namespace {
+
+constexpr double usual_count = 3.0, near_square = 0.09;  // m^2
 
 // Returns 1 / 1, 1 / 1!, ... up to 1 / last!.
 template <int last>
@@ -254,6 +260,17 @@ void krige_shared(Group& g, const SharedNeighbor* rows, int n, const CovarianceR
     for (int t = 0; t < rule.terms; ++t) shape += rule.variance[t];
     const P open = P(1.0) - toward;
     P::max(P(shape) + (open * open * P(1.0 / ones) - explained), P(0.0)).store(g.sums.square_weights);
+    double squares = usual_count, count = usual_count;
+    for (int k = 0; k < n; ++k) {
+        const double* last = room.row[k] + columns.last;
+        const double off = last[1] - mean * last[0], along = rows[k].depth - g.depth[lanes / 2];
+        const double turn = std::abs(rows[k].toolface - g.toolface[lanes / 2]);
+        const double across = rule.radius * metres_a_degree * std::min(turn, 360.0 - turn);
+        const double share = near_square / (near_square + across * across + along * along);
+        squares += share * off * off * inverse[k];
+        count += share;
+    }
+    P(squares / count).store(g.sums.scatter);
 }
 
 }  // namespace
