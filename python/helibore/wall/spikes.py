@@ -20,6 +20,9 @@ MANY = 0.0075
 up to 0.0055 of the samples of a rotating tool look so."""
 _BESIDE, _LARGE, _OTHERS = 8, 3.3, 2.0
 _SOME = 2000
+_FARTHEST = 0.12
+"""Metres: if the eighth nearest sample mostly lies farther away, too few of them lie in the same breakout, whose edges
+would be spikes."""
 _MEDIAN = 1.4826
 """Standard deviation of normal errors over the median of their absolute values."""
 
@@ -29,7 +32,7 @@ def has_spikes(samples: Columns) -> bool:
     rows = few_rows(samples[0], _SOME)
     if rows.size < min(samples[0].size, _SOME):  # a crowd at one depth, where each is compared with all
         return False
-    return bool(np.mean(find_spikes(samples, rows)[0]) > MANY)
+    return _apart(samples, rows) <= _FARTHEST and bool(np.mean(find_spikes(samples, rows)[0]) > MANY)
 
 
 def find_spikes(samples: Columns, rows: Integers) -> tuple[Mask, Floats]:
@@ -42,6 +45,15 @@ def find_spikes(samples: Columns, rows: Integers) -> tuple[Mask, Floats]:
     off = np.abs(radius[rows] - middle)
     deviation = max(_MEDIAN * np.median(off), off[off > 0.0].min() if off.any() else 0.0)
     return (off > _LARGE * deviation) & (off > _OTHERS * second), middle
+
+
+def _apart(samples: Columns, rows: Integers) -> float:
+    """Return the median distance to the farthest of the samples beside each one, metres."""
+    depth, toolface, radius = samples
+    beside = _beside(samples, rows)
+    turn = (toolface[beside] - toolface[rows][:, None] + 180.0) % 360.0 - 180.0
+    across = np.radians(turn) * np.median(radius)
+    return float(np.median(np.hypot(across, depth[beside] - depth[rows][:, None]).max(axis=1)))
 
 
 def _beside(samples: Columns, rows: Integers) -> Integers:

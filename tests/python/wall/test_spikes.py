@@ -51,6 +51,17 @@ def test_radii_in_steps_and_samples_at_one_place_have_no_spikes(measured: tuple[
     assert not has_spikes((depth[:5], toolface[:5], radius[:5]))
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_edges_of_short_breakouts_are_no_spikes_of_a_tool_with_few_samples(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    depth, toolface = np.sort(rng.uniform(0.0, 40.0, 3200)), rng.uniform(0.0, 360.0, 3200)
+    off = (toolface - 70.0 + 90.0) % 180.0 - 90.0
+    radius = 0.109 + rng.normal(0.0, 4e-4, 3200)
+    for middle, height in ((12.0, 1.5), (23.0, 0.6), (32.0, 3.0)):
+        radius += 0.018 * np.exp(-((off / 20.0) ** 2)) * (np.abs(depth - middle) < height / 2)
+    assert not has_spikes((depth, toolface, radius))
+
+
 def test_a_tool_with_spikes_gets_a_robust_wall_whose_settings_repeat_it(measured: tuple[Floats, ...]) -> None:
     depth, toolface, _, radius, _ = measured
     caliper = hb.Caliper(depth, toolface, radius)
