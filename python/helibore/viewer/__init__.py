@@ -459,7 +459,12 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
     others: Any = getattr(wall, "attributes", {})
     for name in others:
         quads = max(len(wall) - wall.settings.sectors - 1, 0)
-        values[Attribute(name, others.units.get(name, ""))] = others.whole(name, wall.start_depth, quads)
+        of = others.whole(name, wall.start_depth, quads)
+        attribute = Attribute(name, others.units.get(name, ""))
+        if name == "sigma" and np.isfinite(of).any():  # the colours of the print
+            most = math.ceil(np.nanpercentile(of, 98) / (0.1 * MILLIMETRE)) * 0.1 * MILLIMETRE
+            attribute = replace(attribute, low=0.0, high=max(most, 0.1 * MILLIMETRE), color_map="viridis")
+        values[attribute] = of
     return values
 
 

@@ -179,6 +179,12 @@ def test_a_drag_moves_the_selected_pick_alone_and_says_so(browser: Any) -> None:
         screen.settle()
         assert screen.inner_text("#dipText").startswith("Next fault (1 to 6): ")
         assert [pick.kind for pick in viewer.scene.picks] == ["fracture"], "no pick is selected, so only the next one"
+        screen.evaluate("(key) => { window.__wall.app.picking.selected = key; }", pick.key)
+        screen.evaluate("window.__wall.app.view.show(1020, 2, window.__wall.app.store)")
+        screen.keyboard.press("1")
+        screen.settle()
+        assert [pick.kind for pick in viewer.scene.picks] == ["fracture"], "nor does one change that is out of view"
+        assert screen.evaluate("[window.__wall.app.picking.selected, window.__wall.app.picking.kind]") == [None, "bed"]
         screen.close()
 
 
@@ -1537,6 +1543,43 @@ def test_a_slide_is_the_view_in_larger_type_and_the_page_stays(browser: Any, vie
     screen.settle()
     assert screen.evaluate("JSON.stringify([window.__wall.app.renderer.rects, window.__wall.app.view.top])") == before
     screen.close()
+
+
+def test_a_picture_waits_for_the_parts_of_the_wall_that_have_not_arrived(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
+    screen.settle()
+    screen.evaluate(
+        "(() => { const [level] = window.__wall.app.store.levels; const locate = level.locate.bind(level);"
+        " let came = 0; level.locate = (k) => (came ? locate(k) : { tile: null, at: 0 });"
+        " const toBlob = HTMLCanvasElement.prototype.toBlob;"
+        " HTMLCanvasElement.prototype.toBlob = function (...more) {"
+        "  window.__saved = came; return toBlob.apply(this, more); };"
+        " setTimeout(() => { came = 1; }, 500); })()"
+    )
+    with screen.page.expect_download():
+        screen.click("#png")
+    assert screen.evaluate("window.__saved") == 1
+    screen.close()
+
+
+def test_the_path_over_the_full_width_is_looked_at_anew_and_straight_turns_the_head_back(browser: Any) -> None:
+    path = hb.Survey([970.0, 1100.0], [60.0, 60.0], [70.0, 70.0]).path(extend=100.0)
+    with hb.view(MadeWall(20_000), path=path) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1008&sec=20&camera=outside", (1366, 768), drawn=False)
+        screen.settle()
+        ends = (
+            "(({ view, path, renderer: { gpu, rects: { wall } } }) => [view.top, view.bottom].map((depth) =>"
+            " gpu.project(path.at(depth), wall)[0]))(window.__wall.app)"
+        )
+        before = np.ptp(screen.evaluate(ends))
+        screen.click("#whole")
+        screen.settle()
+        assert np.ptp(screen.evaluate(ends)) > 1.5 * before
+        screen.evaluate("window.__wall.app.view.choose({ camera: 'down' })")
+        screen.evaluate("window.__wall.app.view.head = [0.5, 0.2]")
+        screen.evaluate("window.__wall.app.view.choose({ camera: 'straight' })")
+        assert screen.evaluate("window.__wall.app.view.head") == [0, 0]
+        screen.close()
 
 
 @pytest.mark.parametrize("camera", ["straight", "down"])

@@ -483,6 +483,11 @@ class TestPage:
             assert abs(east[1] - east[0]) > 1.0
             note = screen.evaluate("document.getElementById('placed').textContent")
             assert "One, Two" in note
+            screen.page.select_option("#mode", "section")
+            with screen.page.expect_download() as download:
+                screen.click("#svg")
+            texts = ElementTree.parse(download.value.path()).getroot().itertext()
+            assert not [text for text in texts if "No place is stated" in text], "side by side no place counts"
             assert f"{east[1] - east[0]:g} m apart" in note
             assert "Three" not in note
             screen.close()

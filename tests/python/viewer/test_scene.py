@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from page_protocol import Message, unpack
 
 import helibore as hb
-from helibore.viewer import Attribute, protocol
+from helibore.viewer import Attribute, attributes_of, protocol
 from helibore.viewer.client import MOST_PENDING, Client
 from helibore.viewer.feed import Feed
 from helibore.viewer.levels import TURNS
@@ -516,3 +516,14 @@ def test_a_string_longer_than_the_wall_is_drawn_and_says_why_it_has_no_clearance
     assert state["why"].startswith("length of the string = 30: must be shorter than the wall, ")
     assert "Clearance" not in feed.scene.curves
     assert "C1" in feed.scene.curves, "the rest is there"
+
+
+def test_sigma_has_the_colours_of_the_print() -> None:
+    depth = np.arange(2000.0, 2004.0, 0.004)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 9000 % 360, 0.108 + 0.0004 * np.sin(7e3 * depth)), bit_diameter=0.216, sectors=16
+    )
+    wall.attributes["sigma"], wall.attributes.units["sigma"] = np.linspace(0.0001, 0.0042, len(wall)), "m"
+    (sigma,) = [of for of in attributes_of(wall) if isinstance(of, Attribute)]
+    assert (sigma.name, sigma.low, sigma.color_map) == ("sigma", 0.0, "viridis")
+    assert sigma.high == pytest.approx(0.0042, abs=1e-4)

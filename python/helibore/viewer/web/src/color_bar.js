@@ -37,7 +37,7 @@ export function drawColours(ink, look, left, top, width) {
 /** @param {Look} look @param {number} share */
 export function valueText({ view, quantity }, share) {
   const { low, high, log, dynamic } = quantity;
-  if (dynamic) return { 0: 'mean − 2σ', 0.5: 'mean', 1: 'mean + 2σ' }[share] ?? '';
+  if (dynamic) return { 0: '−2σ', 0.5: 'mean', 1: '+2σ' }[share] ?? '';
   const value = log ? low * (high / low) ** share : low + share * (high - low);
   return String(Number((value * scaleOf(quantity, view.units)).toPrecision(3))).replace('-', '−');
 }

@@ -6,7 +6,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
 import { anglesInWords, anglesOf, planeDepth, riseOf } from './dips.js';
-import { BOLD, HEAD, inside, label, PALETTES, SMALL, SMALL_BOLD, within, yOf } from './layout.js';
+import { BOLD, fitting, HEAD, inside, label, PALETTES, SMALL, SMALL_BOLD, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
@@ -47,7 +47,8 @@ export function drawDips(ink, look, planes, straight) {
     const right = plane.curve?.depths.slice(-BELOW) ?? [];
     const [upper, lower] = [Math.min, Math.max].map((end) => yOf(view, image, end(...right)));
     const x = image.left + image.width - 4;
-    if (inside(image, x, upper - 14)) label(ink, anglesOf(plane, path), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
+    ink.font = SMALL_BOLD;
+    if (inside(image, x, upper - 14)) label(ink, fitting(ink, [anglesOf(plane, path), anglesOf({ ...plane, pick: undefined }, path)], image.width - 8), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);

@@ -43,7 +43,7 @@ export function drawNet({ ink, width, height }, { view, path }, { kept, boxes },
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const planes = kept.filter(inView);
   const breakouts = boxes.filter(inView);
-  const radius = Math.min(width / 4, height / 2) - 18;
+  const radius = Math.min(width / 4 - 22, height / 2 - 18);
   const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
   for (const place of [net, flower]) circle(ink, place, palette, sidesOf(path));
   for (const plane of planes) {

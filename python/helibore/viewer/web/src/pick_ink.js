@@ -10,7 +10,7 @@ export function drawNext(ink, { view, path, rects }, kind) {
   if (!cursor || cursor.toolface === null || cursor.depth < view.top || cursor.depth > view.bottom) return;
   const palette = PALETTES[view.theme];
   const turn = ((((cursor.toolface - leftEdge(path, view.cut, cursor.depth).toolface) % 360) + 360) % 360) / 360;
-  for (const { left, width } of imageRects(rects)) {
+  for (const { left, width } of imageRects(rects).filter((rect) => rect.width)) {
     const right = turn > 0.5;
     label(ink, kind, left + turn * width + (right ? -8 : 8), yOf(view, rects.image, cursor.depth) - 12, { colour: palette.picks[kind], halo: palette.paper, align: right ? 'right' : 'left', font: BOLD });
   }

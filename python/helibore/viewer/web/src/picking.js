@@ -422,11 +422,11 @@ export class Picking {
   // Set the class of the selected pick and of the next one; a plane cannot become a breakout, nor the other way: only the next one is.
   /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
-    const { pick } = this;
+    const { pick, app: { view } } = this;
     if (!kind) return;
     this.kind = kind;
-    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) this.selected = null;
-    else if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`is of this class now, was a ${pick.kind}`, { ...pick, kind });
+    if (pick && (pick.depth < view.top || pick.depth > view.bottom || (pick.kind === BREAKOUT) !== (kind === BREAKOUT))) this.selected = null; // what is out of view does not change
+    else if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT && this.put({ ...pick, kind })) this.report(`it was a ${pick.kind}`, { ...pick, kind });
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();
   }

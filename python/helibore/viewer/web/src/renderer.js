@@ -290,7 +290,9 @@ export class Renderer {
     const paper = store && this.rects && !view.rig && sameTab && tab !== 'section' && tab !== 'zones' ? this.paper : undefined;
     if (!sameTab) document.body.dataset.tab = tab ?? ''; // writing it lays the page out anew
     const { clientWidth: width, clientHeight: height } = byId('stage');
+    const before = this.rects?.wall.width;
     this.rects = layout(width, height, arrangement);
+    if (before !== this.rects.wall.width && !view.eye.length) this.fitted = false;
     this.gpu?.resize(width, height);
     const { pane: wall } = this.rects;
     byId('orbit').hidden = this.straight;

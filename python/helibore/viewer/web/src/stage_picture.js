@@ -14,13 +14,23 @@ import { showAngle, showDepth, showSpan } from './units.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
+const WAIT = 5000; // milliseconds
+const MOST_TILES = 32; // of a picture that waits for all of its parts
 const ROW = 17; // pixels of a pick in the list below
 const NET = { width: 330, height: 190 }; // stereonet and rose, at the right
 
-// `sharpen` is that of the page, `save` takes the picture.
-/** @param {App} app @param {'png' | 'svg' | 'slide'} kind @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save */
-export function saveStage(app, kind, sharpen, save) {
+// Return whether a part of the wall in view has not arrived.
+/** @param {App} app */
+function lacks({ view, store: { span: [first, last], levels: [level] } }) {
+  if (view.length > (MOST_TILES * level.tileSize * Math.abs(level.pitch)) / level.sectors) return false; // drawn coarsely
+  return Array.from({ length: 33 }, (_, i) => view.top + (i / 32) * view.length).some((depth) => depth > first && depth < last && !level.locate(Math.max(0, level.turnAt(depth))).tile);
+}
+
+// `sharpen` is that of the page, `save` takes the picture. It waits for what has not arrived, at most WAIT.
+/** @param {App} app @param {'png' | 'svg' | 'slide'} kind @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save @param {number} [began] @returns {void} */
+export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   const { renderer, view, store, picking } = app;
+  if (lacks(app) && performance.now() - began < WAIT) return void setTimeout(saveStage, 50, app, kind, sharpen, save, began);
   const inks = byId('ink');
   const vector = kind === 'svg';
   const slide = kind === 'slide';

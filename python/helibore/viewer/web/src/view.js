@@ -104,6 +104,7 @@ export class View extends Settings {
     const names = /** @type {(keyof View)[]} */ (Object.keys(changes)).filter((name) => this[name] !== changes[name]);
     this.unitsChosen ||= 'units' in changes;
     Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
+    if (changes.camera === 'straight') this.head = [0, 0];
     if (names.every((name) => INK.includes(name))) this.redraw();
     else this.repaint();
   }

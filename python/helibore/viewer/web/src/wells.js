@@ -360,7 +360,8 @@ export class Wells {
     ink.fillRect(0, 0, width, height);
     ink.font = BOLD;
     ink.fillStyle = palette.ink;
-    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.note].filter(Boolean).join('   '), 8, 17);
+    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.mode === 'scene' ? this.note : ''].filter(Boolean).join('   '), 8, 17);
+    if (kind === 'slide') inks.slide = {};
     sharpen(ratio);
     this.movedAt = 0;
     /** @type {string[]} */
@@ -368,6 +369,7 @@ export class Wells {
     if (vector) inks.recorder = recorder(pen(inks), strokes, () => ratio);
     this.draw();
     delete inks.recorder;
+    delete inks.slide;
     ink.drawImage(this.gpu.canvas, 0, BAND, width, height - BAND);
     if (!vector) ink.drawImage(inks, 0, BAND, width, height - BAND);
     sharpen(0);

@@ -110,5 +110,5 @@ export function nameZones(ink, { view, zones, rects: { image } }) {
 // Draw the letters of the strip beside the depths, if there is room; they give way to other texts.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {Pair} ends @param {Palette} palette */
 export const letterZones = (ink, zones, y, left, ends, palette) => drawZones(ink, zones, y, left, STRIP, ends, palette, (_, zone, x, top, wide, tall) => {
-  if (tall > 16) label(ink, LETTERS[zone.kind], x + wide / 2, top + tall / 2, { colour: isSure(zone) ? inkOn(palette.zones[zone.kind]) : palette.ink, align: 'center', font: SMALL_BOLD, yields: true });
+  if (tall > 12) label(ink, LETTERS[zone.kind], x + wide / 2, top + tall / 2, { colour: isSure(zone) ? inkOn(palette.zones[zone.kind]) : palette.ink, align: 'center', font: SMALL_BOLD, yields: true });
 });

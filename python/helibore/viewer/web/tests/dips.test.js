@@ -233,7 +233,7 @@ test('below the tracks stands how to begin, as far as there is room, until somet
 
 test('the angles of a plane stand at the right end of its curve, where it is in view', () => {
   const texts = [];
-  const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: () => ({ actualBoundingBoxLeft: 40, actualBoundingBoxRight: 0, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 }), fillText: (text, x, y) => texts.push([text, x, Math.round(y)]) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
+  const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: () => ({ width: 40, actualBoundingBoxLeft: 40, actualBoundingBoxRight: 0, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 }), fillText: (text, x, y) => texts.push([text, x, Math.round(y)]) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
   const made = path(20, 45, { surveyed: true });
   const kept = [1003, 1012].map((depth) => planeOf(made, { kind: 'bed', depth, apparent_dip: 45, toolface: 180 }, 0.1));
   const image = { left: 100, top: 80, width: 200, height: 400 };
