@@ -523,7 +523,7 @@ def test_sigma_has_the_colours_of_the_print() -> None:
     wall = hb.reconstruct(
         hb.Caliper(depth, depth * 9000 % 360, 0.108 + 0.0004 * np.sin(7e3 * depth)), bit_diameter=0.216, sectors=16
     )
-    wall.attributes["sigma"], wall.attributes.units["sigma"] = np.linspace(0.0001, 0.0042, len(wall)), "m"
+    wall.attributes["sigma"], wall.attributes.units["sigma"] = np.linspace(0.0001, 0.0042, len(wall) - 17), "m"
     (sigma,) = [of for of in attributes_of(wall) if isinstance(of, Attribute)]
     assert (sigma.name, sigma.low, sigma.color_map) == ("sigma", 0.0, "viridis")
     assert sigma.high == pytest.approx(0.0042, abs=1e-4)
