@@ -1,4 +1,4 @@
-"""Features picked on a wall, each with a class: planes (beds, fractures, faults) and breakouts.
+"""Features picked on a wall, each with a class: planes (beds, fractures, faults), breakouts and notes.
 
     wall.picks.append(Pick(kind="bed", depth=2054.2, apparent_dip=21.0, toolface=140.0))
     wall.picks[0].dip(wall.path)                      # true dip and its azimuth, degrees
@@ -10,7 +10,8 @@ and z along the hole. The equation of the plane is
     z = tan(apparent_dip) (cos(toolface) x + sin(toolface) y)
 
 so on a hole of radius R it is a sinusoid of height 2 R tan(apparent_dip), deepest at ``toolface``. A breakout is a box
-``height`` metres high and ``opening`` degrees wide on each of two opposite sides of the hole.
+``height`` metres high and ``opening`` degrees wide on each of two opposite sides of the hole. A note is a
+text at a depth.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ from helibore.trajectory.survey import Path
 ENDING = ".picks.csv"
 PLANES = ("bed", "fracture", "healed fracture", "induced fracture", "fault")
 BREAKOUT = "breakout"
-CLASSES = (*PLANES, BREAKOUT)
+NOTE = "note"
+CLASSES = (*PLANES, BREAKOUT, NOTE)
 NUMBERS = (int, float, np.integer, np.floating)
 MOST = 5000
 LONGEST_NOTE = 80
@@ -62,18 +64,18 @@ PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt
 
 @dataclass(frozen=True, kw_only=True)
 class Pick:
-    """A plane or a breakout on the wall. Lengths in metres, angles in degrees.
+    """A plane, a breakout or a note on the wall. Lengths in metres, angles in degrees.
 
     Attributes
     ----------
     kind
         One of `CLASSES`.
     depth
-        Measured depth at which a plane crosses the axis, or of the middle of a breakout.
+        Measured depth at which a plane crosses the axis, of the middle of a breakout, or of a note.
     toolface
-        Toolface at which a plane is deepest, or of the middle of one side of a breakout.
+        Toolface at which a plane is deepest, or of the middle of one side of a breakout. 0 for a note.
     apparent_dip
-        Angle between a plane and the plane at right angles to the hole. 0 for a breakout.
+        Angle between a plane and the plane at right angles to the hole. 0 for a breakout or a note.
     radius
         Radius of the hole where the plane was picked; None: the radius of the bit.
     misfit, points
@@ -143,10 +145,10 @@ class Pick:
     def dip(self, path: Path | None) -> tuple[float, float]:
         """Return true dip and dip azimuth of a plane, degrees.
 
-        Both are NaN for a breakout, without a path, beyond its ends, and where toolface 0 is undefined (`Path.frame`).
-        The azimuth of a level plane is NaN.
+        Both are NaN for a breakout or a note, without a path, beyond its ends, and where toolface 0 is undefined
+        (`Path.frame`). The azimuth of a level plane is NaN.
         """
-        if path is None or self.kind == BREAKOUT or not path.start_depth <= self.depth <= path.stop_depth:
+        if path is None or self.kind not in PLANES or not path.start_depth <= self.depth <= path.stop_depth:
             return math.nan, math.nan
         try:
             zero, right, along = path.frame(np.array([self.depth]))[0]
@@ -305,7 +307,7 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     }
     points = numbers.get("points", 0.0)
     numbers["points"] = int(points) if points.is_integer() else points
-    true_dip = None if apparent or texts.get("kind") == BREAKOUT else (number(DIP[0]), number(DIP[1]))
+    true_dip = None if apparent or texts.get("kind") in (BREAKOUT, NOTE) else (number(DIP[0]), number(DIP[1]))
     try:
         if true_dip is not None:
             if path is None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from helibore.base.colors import DIP_TITLES, PICK_COLORS
 from helibore.base.units import INCH, MILLIMETRE
-from helibore.logs.picks import BREAKOUT, PLANES, Pick
+from helibore.logs.picks import NOTE, PLANES, Pick
 from helibore.plot.cells import in_depth_unit, number
 from helibore.plot.paper import FAINT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import attitude, tadpole
@@ -63,7 +63,9 @@ def table_row(pick: Pick, content: Content) -> list[str]:
     """Return the cells of the row of a pick."""
     dip, azimuth = pick.dip(content.wall.path)
     own = ["–", number(pick.toolface, 0), number(pick.opening, 0), "–"]
-    if pick.kind != BREAKOUT:
+    if pick.kind == NOTE:
+        own = ["–"] * 4
+    elif pick.kind in PLANES:
         inches = content.drawing.size_unit == "in"
         misfit = number(pick.misfit / (INCH if inches else MILLIMETRE), 2 if inches else 1)
         fitted = (
@@ -124,7 +126,7 @@ def _draw(content: Content, rows: list[Pick], shown: list[Pick], sheet: Sheet, y
         _draw_row(sheet, left, y, table_row(pick, content))
         if pick.kind in PLANES:
             sheet.line((left + 1.5, left + 1.5), (y, y), markeredgewidth=0.7, **tadpole(pick.kind, 3.2))
-        else:
+        elif pick.kind != NOTE:
             sheet.box(left + 0.4, y - 1.0, 2.2, 2.0, edgecolor=PICK_COLORS[pick.kind])
         sheet.line((left, left + sum(WIDTHS)), (y + ROW / 2, y + ROW / 2), linewidth=0.2)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.colors import DIP_LINES, DIP_TITLES, PICK_COLORS
-from helibore.logs.picks import BREAKOUT, PLANES, Pick
+from helibore.logs.picks import BREAKOUT, NOTE, PLANES, Pick
 from helibore.plot.paper import INK, LEAST, SMALL, Sheet
 from helibore.plot.tracks import HEAD, SIDES, Stretch, bare_axes, depth_lines
 
@@ -109,7 +109,7 @@ def plane_depth(pick: Pick, radius: float, toolface: Floats) -> Floats:
 def draw_picks(axes: Axes, picks: Sequence[Pick], left: float, bit_diameter: float) -> None:
     """Draw the curves of planes and the boxes of breakouts on an image whose left edge is toolface ``left``."""
     toolface = np.linspace(0.0, 360.0, 181)
-    for pick in picks:
+    for pick in (pick for pick in picks if pick.kind != NOTE):
         radius = radius_of(pick, bit_diameter)
         color = PICK_COLORS[pick.kind]
         if pick.kind == BREAKOUT:

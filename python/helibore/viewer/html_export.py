@@ -41,7 +41,7 @@ def html_export(
     has more than `MOST_VERTICES` vertices, or the wall does not reach the section.
     """
     if len(address) > MOST_ADDRESS:
-        rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer notes"
+        rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}"
         raise InputError("address", rule)
     with scene.lock:
         tiles = tiles_between(scene, start, stop)

@@ -208,6 +208,20 @@ def test_a_print_without_the_picks_has_nothing_of_them(wall: hb.Wall) -> None:
     assert not {"Poles of planes", "Picks"} & said[1]
 
 
+def test_a_note_is_a_row_of_the_table_and_no_plane() -> None:
+    wall = plotted_wall()
+    wall.picks = [Pick(kind="note", depth=2010.0, toolface=0.0, note="washout in coal?")]
+    figures = plot.pages(wall, polar=(), body=(), scale=200, dpi=50)
+    said = words(figures[-1])
+    row = said.index("2,010.00")
+    assert said[row - 1 : row + 8] == ["note", "2,010.00", "–", "–", "–", "–", "–", "–", "washout in coal?"]
+    assert "Poles of planes" not in words(figures[-1])
+    survey = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2).path()
+    assert np.isnan(wall.picks[0].dip(survey)).all()
+    table = wall.picks.table(survey)
+    assert hb.Picks.parse(table, survey) == wall.picks
+
+
 def test_many_picks_fill_pages_and_none_is_lost() -> None:
     wall = plotted_wall()
     wall.picks += [Pick(kind="bed", depth=2000.5 + 0.1 * at, toolface=9.0, apparent_dip=5.0) for at in range(150)]

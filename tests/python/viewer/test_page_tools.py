@@ -653,13 +653,43 @@ def test_the_planned_path_has_its_distance_at_every_depth_and_no_words_stand_on_
                     away = np.linalg.norm(plan.position(np.arange(970.0, 1100.0, 0.01)) - at, axis=1).min()
                     assert float(beside[0].split()[0]) == pytest.approx(away, abs=0.06)
                 words = [one for one in labels if "tube ×" in one["text"] or "planned path" in one["text"]]
-                assert len(words) >= 1
+                assert bool(words) == (slide == "false"), "on a slide they stand above the picture"
                 for one in words:
                     assert not [
                         p for p in hole if one["left"] < p[0] < one["right"] and one["top"] < p[1] < one["bottom"]
                     ]
-                    assert (one["bottom"] < 80) == (slide == "true"), "the head of a slide has no controls"
             screen.close()
+
+
+def test_on_a_slide_of_the_path_a_disc_at_the_upper_edge_is_whole_and_the_caption_stands_above(browser: Any) -> None:
+    """An eye that the user put sees the hole up to the upper edge of the picture."""
+    with hb.view(MadeWall(20_000), path=curved_path()) as viewer:
+        pick = Pick(kind="fracture", depth=1008.0, toolface=40.0, apparent_dip=20.0)
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1012&sec=20&camera=outside", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 1")
+        screen.settle()
+        screen.evaluate(
+            "(() => { const { app } = window.__wall; const { renderer, path, view } = app;"
+            " const at = path.at(1008).centre; const to = renderer.gpu.position({ centre: at }); to[2] -= 2.8;"
+            " view.lookFrom([to[0] + 8, to[1] - 8, to[2], ...to]); renderer.aim();"
+            " const draw = renderer.drawInk.bind(renderer); renderer.drawInk = (look) => { draw(look);"
+            " const ink = document.getElementById('ink'); if (!ink.slide) return;"
+            " const { wall } = renderer.rects; const ratio = ink.width / ink.clientWidth;"
+            " const y = renderer.gpu.project(path.at(1008), wall)[1];"
+            " const { data } = ink.getContext('2d').getImageData(wall.left * ratio, 0, wall.width * ratio, 76 * ratio);"
+            " let blue = 0; for (let i = 0; i < data.length; i += 4)"
+            " blue += data[i + 3] > 60 && data[i + 2] > data[i] + 60;"
+            " window.__slide = { y, blue: blue / ratio / ratio, labels: ink.labels.map(({ text }) => text) }; }; })()"
+        )
+        screen.settle()
+        with screen.page.expect_download():
+            screen.click("#slide")
+        seen = screen.evaluate("window.__slide")
+        assert 20 < seen["y"] < 76, "the disc lies where the page has its controls"
+        assert seen["blue"] > 200, "and is drawn there"
+        assert not [text for text in seen["labels"] if "tube ×" in text]
+        screen.close()
 
 
 def test_a_full_view_in_perspective_has_no_axis_of_depth_beside_it(browser: Any, viewer: Any) -> None:
@@ -791,44 +821,56 @@ def test_an_address_keeps_the_eye_inside_where_a_cursor_was_held(browser: Any, v
     second.close()
 
 
-def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1010&sec=20", drawn=False)
-    screen.settle()
-    for depth, text in ((1006.0, "tight, reamed twice"), (1013.0, "wash & <b>out</b> " + "x" * 70)):
-        screen.mouse.move(*place(screen, 90, depth))
-        screen.until(f"Math.abs(window.__wall.app.view.cursor?.depth - {depth}) < 0.1")
-        screen.keyboard.press("b")
-        assert screen.inner_text("#noteTitle").startswith(f"Note at {depth:.0f}"[:10])
-        screen.keyboard.type(text)
-        screen.keyboard.press("Enter")
-        screen.until(f"window.__wall.app.notes.kept.some(({{ depth }}) => Math.abs(depth - {depth}) < 0.1)")
-    screen.settle()
-    texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert "tight, reamed twice" in texts
-    assert any(text.startswith("wash & <b>out</b>") and text.endswith("…") for text in texts), (
-        "cut to the track's width"
-    )
-    screen.settle()
-    again = Screen(browser, viewer.url, screen.address(), drawn=False)
-    again.settle()
-    kept = "window.__wall.app.notes.kept.map(({ depth, text }) => [depth.toFixed(3), text])"
-    assert again.evaluate(kept) == screen.evaluate(kept)
-    assert len(again.evaluate(kept)[1][1]) == 80
-    again.mouse.move(*place(again, 200, 1006.0))
-    again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
-    again.keyboard.press("b")
-    assert again.evaluate("document.getElementById('noteText').value") == "tight, reamed twice"
-    again.keyboard.press("Escape")
-    again.until("!document.getElementById('note').open")
-    assert len(again.evaluate(kept)) == 2, "Escape changes nothing"
-    again.until("document.activeElement === document.body")
-    again.mouse.move(*place(again, 210, 1006.0))
-    again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
-    again.keyboard.press("b")
-    again.click("#note button[value=remove]")
-    again.until("window.__wall.app.notes.kept.length === 1")
-    again.close()
-    screen.close()
+def test_notes_are_saved_beside_the_picks(browser: Any, tmp_path: Path) -> None:
+    file = tmp_path / "made.picks.csv"
+    long = "wash & <b>out</b> " + "x" * 70
+    with hb.view(MadeWall(40_000), picks_file=file) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=20", drawn=False)
+        screen.settle()
+        for depth, text in ((1006.0, "tight, reamed twice"), (1013.0, long)):
+            screen.mouse.move(*place(screen, 90, depth))
+            screen.until(f"Math.abs(window.__wall.app.view.cursor?.depth - {depth}) < 0.1")
+            screen.keyboard.press("b")
+            title = screen.inner_text("#noteTitle")
+            assert title.startswith(f"Note at {depth:.0f}"[:10])
+            assert title.endswith("saved in made.picks.csv")
+            screen.keyboard.type(text)
+            screen.keyboard.press("Enter")
+            screen.until(f"window.__wall.app.picking.notes.some(({{ depth }}) => Math.abs(depth - {depth}) < 0.1)")
+        screen.until("!window.__wall.app.picking.waits")
+        screen.settle()
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert "tight, reamed twice" in texts
+        assert any(text.startswith("wash & <b>out</b>") and text.endswith("…") for text in texts), (
+            "cut to the track's width"
+        )
+        assert screen.evaluate("window.__wall.app.picking.planes().kept") == [], "a note is no plane"
+        screen.close()
+    picks = Picks.load(file)
+    assert [(one.kind, round(one.depth), one.note) for one in picks] == [
+        ("note", 1006, "tight, reamed twice"), ("note", 1013, long[:80]),
+    ]  # fmt: skip
+    with hb.view(MadeWall(40_000), picks_file=file) as viewer:
+        viewer.scene.picks.extend(picks)
+        again = Screen(browser, viewer.url, "#md=1010&sec=20", drawn=False)
+        again.settle()
+        kept = "window.__wall.app.picking.notes.map(({ note }) => note)"
+        again.until(f"{kept}.length === 2")
+        again.mouse.move(*place(again, 200, 1006.0))
+        again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
+        again.keyboard.press("b")
+        assert again.evaluate("document.getElementById('noteText').value") == "tight, reamed twice"
+        again.keyboard.press("Escape")
+        again.until("!document.getElementById('note').open")
+        assert len(again.evaluate(kept)) == 2, "Escape changes nothing"
+        again.until("document.activeElement === document.body")
+        again.mouse.move(*place(again, 210, 1006.0))
+        again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
+        again.keyboard.press("b")
+        again.click("#note button[value=remove]")
+        again.until(f"{kept}.length === 1 && !window.__wall.app.picking.waits")
+        again.close()
+    assert [one.note for one in Picks.load(file)] == [long[:80]]
 
 
 def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:

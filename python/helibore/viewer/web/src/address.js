@@ -1,5 +1,5 @@
-// The address after # holds all that a colleague needs to see the same picture: the view (view.js), the colours of the
-// current quantity and the notes.
+// The address after # holds all that a colleague needs to see the same picture: the view (view.js) and the colours of the
+// current quantity.
 
 import { MAPS } from './color.js';
 import { numbers } from './view.js';
@@ -7,15 +7,14 @@ import { numbers } from './view.js';
 /** @param {number} value */
 const short = (value) => String(Number(value.toPrecision(5)));
 
-/** @param {Pick<App, 'view' | 'selection' | 'notes'>} app */
-export function toAddress({ view, selection: { quantity }, notes }) {
+/** @param {Pick<App, 'view' | 'selection'>} app */
+export function toAddress({ view, selection: { quantity } }) {
   const parts = new URLSearchParams(view.toAddress().slice(1));
   if (quantity && Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) {
     parts.set('range', `${short(quantity.low)}_${short(quantity.high)}`);
     parts.set('map', quantity.map);
     for (const name of /** @type {const} */ (['log', 'dynamic', 'inView'])) if (quantity[name]) parts.set(name, '1');
   }
-  if (notes.kept.length) parts.set('notes', notes.toAddress());
   return `#${parts}`;
 }
 
@@ -28,11 +27,10 @@ export function looked({ view: { top, bottom, cursor, pinned } }) {
   };
 }
 
-// Apply the valid parts of an address: view and notes change at once; the colours are returned for the wall's quantities.
-/** @param {Pick<App, 'view' | 'notes'>} app @param {string} hash @returns {Colours | null} */
-export function fromAddress({ view, notes }, hash) {
+// Apply the valid parts of an address: the view changes at once; the colours are returned for the wall's quantities.
+/** @param {Pick<App, 'view'>} app @param {string} hash @returns {Colours | null} */
+export function fromAddress({ view }, hash) {
   const parts = new URLSearchParams(hash.replace(/^#/, ''));
-  notes.fromAddress(parts.get('notes'));
   view.fromAddress(hash);
   const [low, high] = numbers(parts.get('range'));
   const map = parts.get('map') ?? '';

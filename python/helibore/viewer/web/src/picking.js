@@ -11,6 +11,7 @@ import { download } from './saving.js';
 import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
 
 export const BREAKOUT = 'breakout';
+export const NOTE = 'note';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
 const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
@@ -63,10 +64,12 @@ export class Picking {
   /** @type {WallPoint[]} */
   points = []; // of the plane that is being picked
   /** @type {WallPick[]} */
-  kept = []; // the picks of the wall
-  /** @type {Map<string, WallPick>} */
+  kept = []; // the picks of the wall, without notes
+  /** @type {Note[]} */
+  notes = [];
+  /** @type {Map<string, SavedPick>} */
   served = new Map(); // as the server has them
-  /** @type {Map<string, WallPick>} */
+  /** @type {Map<string, SavedPick>} */
   saved = new Map(); // the server's picks with the changes that the server has not taken yet; a dragged pick is in it as before the drag
   /** @type {Unsaved} */
   unsaved = new Map(); // what the server has not taken yet: a pick, or null where it is deleted
@@ -130,7 +133,7 @@ export class Picking {
   }
 
   // Take the picks of the server, or of an exported file.
-  /** @param {WallPick[]} picks */
+  /** @param {SavedPick[]} picks */
   receive(picks) {
     this.served = new Map(picks.map((pick) => [pick.key, pick]));
     this.show();
@@ -147,7 +150,9 @@ export class Picking {
       if (pick) this.saved.set(key, pick);
       else this.saved.delete(key);
     }
-    this.kept = [...this.saved.values()].map((pick) => (pick.key === dragged?.key ? dragged : pick));
+    const all = [...this.saved.values()];
+    this.notes = /** @type {Note[]} */ (all.filter(({ kind }) => kind === NOTE));
+    this.kept = /** @type {WallPick[]} */ (all.filter(({ kind }) => kind !== NOTE)).map((pick) => (pick.key === dragged?.key ? dragged : pick));
     if (!this.pick) this.selected = null;
     this.app.redraw();
   }
@@ -311,7 +316,7 @@ export class Picking {
     const { dragged } = this;
     this.dragged = null;
     if (!dragged) return;
-    const before = this.saved.get(dragged.key);
+    const before = /** @type {WallPick | undefined} */ (this.saved.get(dragged.key));
     this.replace(before ?? dragged, !before);
     if (!before) this.selected = null;
   }
@@ -490,7 +495,7 @@ export class Picking {
   }
 
   // Remove from the unsaved changes a change that the server has taken, or has refused with a text.
-  /** @param {Unsaved} unsaved @param {string} key @param {WallPick | null} pick @param {string} refusal */
+  /** @param {Unsaved} unsaved @param {string} key @param {SavedPick | null} pick @param {string} refusal */
   taken(unsaved, key, pick, refusal) {
     unsaved.delete(key);
     if (unsaved !== this.unsaved) return;
@@ -585,10 +590,16 @@ export class Picking {
     return `Picks are not saved in ${this.file}: its folder cannot be written. Download keeps them.`;
   }
 
+  // Where picks and notes are saved.
+  get where() {
+    const { file, saves } = this;
+    return !saves ? 'not saved: Download' : file ? `saved in ${file}` : 'not saved in a file';
+  }
+
   // Write in which file the server saves the picks, or how many changes it has not saved.
   writeSaved() {
-    const { unsaved: { size }, trouble, file, saves } = this;
-    const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : !saves ? 'not saved: Download' : file ? `saved in ${file}` : 'not saved in a file';
+    const { unsaved: { size }, trouble, saves } = this;
+    const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : this.where;
     const title = size && trouble ? `${trouble}: this page keeps the changes and sends them again. Keep it open.` : !size && !saves ? this.notSaved : text;
     Object.assign(byId('dipSaved'), { textContent: text, title });
     byId('dipSaved').classList.toggle('bad', Boolean(size && trouble) || !saves);
@@ -622,7 +633,7 @@ function writeFields(pick, units) {
   if (note) note.value = pick.note ?? '';
 }
 
-const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+export const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 /** @param {Plane} plane */
 const inWords = ({ dip, azimuth, apparent, deepest }) =>
   Number.isNaN(dip) ? `apparent dip ${showAngle(apparent)}, deepest at ${showAngle(deepest, 0)}` : `true dip ${showAngle(dip)} toward ${showAngle(azimuth, 0)}   (apparent ${showAngle(apparent)})`;

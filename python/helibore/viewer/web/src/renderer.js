@@ -132,7 +132,7 @@ export class Renderer {
       wallRect: rects.wall,
       background: PALETTES[view.theme].background,
       dark: view.theme === 'dark',
-      notes: app.notes.kept,
+      notes: app.picking.notes,
       intervals: store.intervals,
       zones: (view.rig && late(app)?.zonesInRig(app)) || app.zones,
       held: view.pinned ? heldPlane(app.picking.planesOfAll(), view) : undefined,

@@ -59,7 +59,6 @@ interface Quantity {
 type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'inView' | 'chosen'>>;
 interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
-interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
 interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; within?: number; toolface?: number; name?: string } // within: half the 95 % interval of the measure, if it is known; toolface: axis of a breakout, side of a key seat; name: in rig mode, if it is not the kind
 // A string of rigid bodies, and where it hangs.
@@ -91,9 +90,11 @@ type PlaneKind = 'bed' | 'fracture' | 'healed fracture' | 'induced fracture' | '
 interface AnyPick { key: string; depth: number; toolface: number; radius?: number | null; note?: string; image?: string }
 interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number }
 interface BreakoutPick extends AnyPick { kind: 'breakout'; height: number; opening: number; tilt?: number }
+interface Note extends AnyPick { kind: 'note'; note: string }
 type WallPick = PlanePick | BreakoutPick;
-interface PickChange { key: string; pick: WallPick | null } // null: it is deleted
-type Unsaved = Map<string, WallPick | null>;
+type SavedPick = WallPick | Note;
+interface PickChange { key: string; pick: SavedPick | null } // null: it is deleted
+type Unsaved = Map<string, SavedPick | null>;
 interface Plane {
   a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
   kind: PlaneKind; pick?: PlanePick; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
@@ -134,7 +135,7 @@ interface Socket { // what the page uses of a WebSocket
   readyState: number; binaryType: string; send(text: string): void; close(code: number): void; onmessage(event: { data: string | ArrayBuffer }): void; onclose(event: { code: number; reason: string }): void;
 }
 interface Handlers {
-  handshake: (handshake: Handshake) => void; state: (state: State) => void; picks: (picks: WallPick[]) => void; write: (message: Write) => void;
+  handshake: (handshake: Handshake) => void; state: (state: State) => void; picks: (picks: SavedPick[]) => void; write: (message: Write) => void;
   frames: (message: Frames) => void; status: (status: string, words: string) => void;
 }
 interface Template { scale?: number; unit: Units; track: { kind: string; name: string; names: string[]; width: number | null }[] }
@@ -147,7 +148,7 @@ interface Summary {
 interface WellHistory { time: number[]; vertices: number[]; bit_depth: (number | null)[] }
 interface Past { moment: number; vertices: number; bitDepth: number | null }
 interface Contents {
-  hello: Handshake; state: State; picks: WallPick[]; messages: string[]; made: number; address?: string; hosted?: boolean; history?: WellHistory; summary: Summary; curves: Record<string, string>;
+  hello: Handshake; state: State; picks: SavedPick[]; messages: string[]; made: number; address?: string; hosted?: boolean; history?: WellHistory; summary: Summary; curves: Record<string, string>;
 }
 
 // Elements of the page by id; any other is an HTMLElement.

@@ -32,7 +32,7 @@ export class Well {
     const on = {
       handshake: (handshake) => this.begin(handshake),
       state: (state) => this.take(state),
-      picks: (picks) => (this.picks = picks),
+      picks: (picks) => (this.picks = /** @type {WallPick[]} */ (picks.filter(({ kind }) => kind !== 'note'))),
       write: (message) => this.store.apply(message),
       frames: (message) => {
         for (let i = 1; i < message.centre.length; i += 3) message.centre[i] += this.east;
