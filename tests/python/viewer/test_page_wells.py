@@ -467,6 +467,35 @@ class TestPage:
         assert screen.evaluate("stage.clientWidth + document.querySelector('aside').offsetWidth") == 1000
         screen.close()
 
+    def test_a_slide_side_by_side_has_no_place_no_scale_and_no_number_struck_through(self, browser: Any) -> None:
+        with hb.view_wells({"One": made(None, (1004.0, 1010.0)), "Two": made(None, (1006.0, 1009.65))}) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section", drawn=False)
+            assert screen.evaluate("document.getElementById('placed').textContent") == ""
+            screen.evaluate(
+                "(() => { window.__said = []; const { prototype } = CanvasRenderingContext2D;"
+                " const write = prototype.fillText; prototype.fillText = function (...of) {"
+                " window.__said.push(of[0]); return write.apply(this, of); };"
+                " const { wells } = window.__wall; const draw = wells.draw.bind(wells); wells.draw = () => { draw();"
+                " const ink = document.getElementById('ink'); if (!ink.slide) return;"
+                " window.__axis = wells.section.columns[1].rects.axis;"
+                " window.__ink = [ink.labels, ink.strokes]; }; })()"
+            )
+            with screen.page.expect_download():
+                screen.click("#slide")
+            said, axis, (labels, strokes) = screen.evaluate("[window.__said, window.__axis, window.__ink]")
+            assert "One, Two   by measured depth" in said
+            assert not [text for text in said if "apart" in text]
+            assert not [one["text"] for one in labels if one["text"].startswith("1:")]
+            right = axis["left"] + axis["width"]
+            numbers = [one for one in labels if one["text"].isdigit() and axis["left"] < one["left"] < right]
+            assert "1010" in [one["text"] for one in numbers], "a bed of Two begins at this number"
+            across = [(a, b, y) for a, y, b, low in strokes if y == low and b - a > 5 and a >= axis["left"] - 1]
+            assert [(a, b) for a, b, y in across if a < axis["left"] + 1 and b < right], "a line comes from the left"
+            for one in numbers:
+                middle = (one["top"] + one["bottom"]) / 2
+                assert not [y for a, b, y in across if a < one["right"] and b > one["left"] and abs(y - middle) < 5]
+            screen.close()
+
     def test_a_wells_page_opens(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, drawn=False)
         links = screen.evaluate("[...document.querySelectorAll('#wells a')].map(({ href }) => href)")

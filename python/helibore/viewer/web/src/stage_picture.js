@@ -5,12 +5,13 @@ import { inLines } from './columns.js';
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
-import { BOLD, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
+import { BOLD, FONT, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
 import { endOf, eyeDepth, isInside } from './inside.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
 import { recorder, svgFile } from './svg.js';
 import { showAngle, showDepth, showSpan } from './units.js';
+import { captionOf } from './wall_ink.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
@@ -36,14 +37,16 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   const slide = kind === 'slide';
   const planes = picking.planes();
   const side = slide ? 0 : sideOf(view, planes);
+  const caption = slide && view.camera === 'outside' && renderer.rects.wall.width ? captionOf(pen(inks), renderer.look(), planes, SLIDE.width - 16, true) : [];
+  const band = BAND + 16 * caption.length;
   if (slide) {
     inks.slide = {};
-    Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
-    renderer.rects = layout(SLIDE.width, SLIDE.height - BAND, renderer.arrangement);
-    renderer.gpu?.resize(SLIDE.width, SLIDE.height - BAND);
+    Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - band}px` });
+    renderer.rects = layout(SLIDE.width, SLIDE.height - band, renderer.arrangement);
+    renderer.gpu?.resize(SLIDE.width, SLIDE.height - band);
     if (!view.eye.length) renderer.aim(); // all of the section is seen on the slide, too
   }
-  const [width, height] = [inks.clientWidth + side, inks.clientHeight + BAND];
+  const [width, height] = [inks.clientWidth + side, inks.clientHeight + band];
   const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));
   sharpen(ratio);
   const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: Math.round(width * ratio), height: Math.round(height * ratio), labels: [], strokes: [] });
@@ -64,10 +67,12 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   ink.font = slide ? BOLD.replace('12px', '16px') : BOLD;
   ink.textBaseline = 'alphabetic';
   ink.fillText(`${byId('well').title || 'helibore'}   MD ${showSpan(Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1]), view.units)}`, 8, 17);
-  ink.translate(0, BAND);
+  ink.font = FONT;
+  caption.forEach((text, i) => ink.fillText(text, 8, 35 + 16 * i));
+  ink.translate(0, band);
   if (vector) {
     draw(ink);
-    parts.push(`<g transform="translate(0 ${BAND})">`);
+    parts.push(`<g transform="translate(0 ${band})">`);
     inks.recorder = recorder(pen(inks), parts, () => ratio);
     renderer.drawInk(look);
     delete inks.recorder;
@@ -78,7 +83,7 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
     ink.drawImage(inks, 0, 0, inks.clientWidth, inks.clientHeight);
   }
   ink.translate(inks.clientWidth, 0);
-  if (side) drawSide(ink, look, planes, height - BAND);
+  if (side) drawSide(ink, look, planes, height - band);
   delete inks.slide;
   Object.assign(view, { cursor, pinned, ahead });
   picking.selected = selected;

@@ -22,22 +22,19 @@ const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes */
 export function drawWallInk(ink, look, gpu, calipers, planes) {
-  const { view, path, store, rects } = look;
+  const { view, path, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
-  const tube = view.tubeFactor(store);
   const outside = view.camera === 'outside';
-  const slide = outside && Boolean(ink.canvas.slide); // its head is free: no controls stand there
   ink.save();
   ink.beginPath();
-  const top = outside ? HEAD : 0;
-  ink.rect(rect.left, top, rect.width, rect.height - top);
+  ink.rect(rect.left, 0, rect.width, rect.height);
   ink.clip();
-  const lines = view.rig ? [] : inLines(ink, inWords(look, planes, tube, slide), rect.width - (slide ? 20 : outside ? 200 : path.surveyed ? 110 : 20));
+  const lines = view.rig || (outside && ink.canvas.slide) ? [] : captionOf(ink, look, planes, rect.width - (outside ? 200 : path.surveyed ? 110 : 20));
   const { labels } = ink.canvas; // texts keep off the compass and off the words
   const foot = { text: '', left: rect.left, right: rect.left + (path.surveyed ? 88 : 0), top: rect.height - 88, bottom: rect.height };
   const wide = outside ? Math.max(0, ...lines.map((text) => ink.measureText(text).width)) + 10 : rect.width;
-  const words = { ...foot, left: rect.left + rect.width - (slide ? 0 : wide), right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length };
+  const words = { ...foot, left: rect.left + rect.width - wide, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length };
   const at = labels.push(foot, words) - 2;
   if (outside) outsideInk(ink, look, gpu, calipers, planes, palette, words);
   else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
@@ -49,15 +46,18 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   }
   ink.restore();
   ink.font = FONT;
-  if (outside && !slide) {
+  if (outside) {
     ink.fillStyle = `${palette.paper}cc`; // the planned path runs below the words
     ink.fillRect(words.left, words.top, wide, 16 * lines.length);
   }
-  lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, slide ? 11 + 16 * i : rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
+  lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }
 
-// Return in words how the hole is drawn and what else is seen.
+// Return in lines of a width how the hole is drawn and what else is seen. On a slide of the path they stand above the picture.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} width @param {boolean} [slide] */
+export const captionOf = (ink, look, planes, width, slide = false) => inLines(ink, inWords(look, planes, look.view.tubeFactor(look.store), slide), width);
+
 /** @param {Looks} look @param {Planes} planes @param {number} tube @param {boolean} slide */
 function inWords(look, planes, tube, slide) {
   const { view, path, store, rects } = look;

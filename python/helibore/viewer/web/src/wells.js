@@ -84,7 +84,6 @@ export class Wells {
       this.wells = listed.map((one, i) => Object.assign(new Well(one, () => this.changed()), { east: places.east[i] }));
       byId('well').textContent = `${listed.length} wells`;
       document.title = `${listed.map(({ name }) => name).join(', ')} – helibore`;
-      byId('placed').textContent = this.note;
     } catch (error) {
       byId('notice').textContent = `The wells were not read: ${messageOf(error)}`;
       byId('notice').hidden = false;
@@ -199,6 +198,7 @@ export class Wells {
     if (!names.some(([id]) => id === this.quantityId)) this.quantityId = names.find(([id]) => quantities.find((one) => one.id === id)?.mode === 5)?.[0] ?? names[0]?.[0] ?? '';
     const cuts = cutsOf(this.drawn.map(({ path }) => path));
     const key = JSON.stringify([names, cuts, tops, wells.map(({ name, words, hidden, ready, store }) => [name, words, hidden, ready, store?.session]), [...this.hidden]]);
+    byId('placed').textContent = this.mode === 'scene' ? this.note : ''; // side by side no place is needed
     byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
     for (const id of /** @type {const} */ (['datum', 'cut'])) byId(id).hidden = this.mode === 'scene';

@@ -198,8 +198,7 @@ export class Section {
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
     for (const [name, start] of look.intervals) {
       if (y(start) < top || y(start) > bottom) continue;
-      const left = this.columns[0].well === well ? picture.left : depths.left; // from the well at its left
-      line(ink, left, y(start), right, y(start), colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
+      line(ink, picture.left, y(start), right, y(start), colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
       label(ink, fitting(ink, [name], picture.width - 8), picture.left + 5, y(start) + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
     }
     for (const casing of casingsIn(look.store)) { // along both edges of the image
@@ -210,6 +209,12 @@ export class Section {
       label(ink, fitting(ink, [shoeInWords(casing, look.view.units), `shoe ${name}`, 'shoe'], picture.width - 8), picture.left + 5, y(stop) - 8, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, 17], [0, -15]], yields: true });
     }
     drawAxisLabels(ink, moved);
+    for (const [name, start] of this.columns[0].well === well ? [] : look.intervals) { // from the well at its left, with a gap at a number
+      const at = y(start);
+      if (at < top || at > bottom) continue;
+      const number = ink.canvas.labels.find((box) => box.right > depths.left && box.left < picture.left && box.top < at + 2 && box.bottom > at - 2);
+      for (const [from, to] of number ? [[depths.left, number.left - 3], [number.right + 3, picture.left]] : [[depths.left, picture.left]]) if (to > from) line(ink, from, at, to, at, colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
+    }
     ink.restore();
   }
 

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { bySeverity, isSure, jump, turnTowards, zoneAt, zoneText } from '../src/zones.js';
+import { bySeverity, isSure, jump, letterZones, turnTowards, zoneAt, zoneText } from '../src/zones.js';
 
 const ZONES = [
   { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2, confidence: 1 },
@@ -21,6 +21,14 @@ test('a zone counts as much as its kind is probable, and says so', () => {
   assert.deepEqual([0.8, 0.79].map((confidence) => isSure({ ...washout, confidence })), [true, false]);
   assert.equal(zoneText({ ...washout, confidence: 0.968 }, 'mm'), 'washout +70 mm, 97 % sure');
   assert.equal(zoneText({ ...washout, confidence: 1 }, 'mm'), 'washout +70 mm, 99 % sure', 'no kind is certain');
+});
+
+test('a strip names its kind where the letter has room, and only there', () => {
+  const canvas = { labels: [], strokes: [] };
+  const box = { actualBoundingBoxLeft: 4, actualBoundingBoxRight: 4, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 };
+  const ink = { canvas, measureText: () => box, fillText() {} };
+  letterZones(ink, ZONES, (depth) => 5 * depth, 0, [0, 400], { ink: '#000000', zones: { breakout: '#ffffff', washout: '#000000', undergauge: '#000000' } });
+  assert.deepEqual(canvas.labels.map(({ text }) => text), ['W'], 'of strips 10, 15 and 5 pixels tall');
 });
 
 test('next and previous go by severity, from the worst, and around', () => {
