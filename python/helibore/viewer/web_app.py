@@ -286,7 +286,7 @@ class WebApp:
             return PlainTextResponse("this server cannot print\n", 404)
         try:
             picture = [exports.checked_picture(await _body(request, MOST_PICTURE))] if request.method == "POST" else []
-            arranged = {"template": Template.parse(query["template"])} if "template" in query else {}
+            arranged: dict[str, Any] = {"template": Template.parse(query["template"])} if "template" in query else {}
             arranged |= {"with_picks": False} if query.get("picks") == "off" else {}
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
