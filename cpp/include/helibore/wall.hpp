@@ -111,7 +111,8 @@ class Wall {
     std::vector<std::uint8_t> provisional() const;
 
     // Returns the sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where
-    // the radius is NaN. Throws InputError if Settings::sigma is false.
+    // the radius is NaN. With near and far neighbours: the kriging variance, how far the neighbours are off (about 1;
+    // kernel/near_far.hpp), 0 and 0. Throws InputError if Settings::sigma is false.
     std::array<std::vector<double>, 4> sums() const;
     // Writes the sums that sums() returns into columns of the caller. Returns false, and writes nothing, if there are
     // not four columns of size() values. Throws like sums().

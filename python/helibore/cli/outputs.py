@@ -51,7 +51,7 @@ def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
         sigma = on_quads(wall.sigma, wall.settings.sectors)
     wall.attributes["sigma"], wall.attributes.units["sigma"] = sigma, "m"
     missing = float(np.isnan(sigma).mean()) if sigma.size else 0.0
-    why = "between fixed arms, and far from samples, the hole is not sampled"
+    why = "between arms, and far from samples, the hole is not sampled"
     why = why if wall.basis == "azimuthal" else wall.basis_text
     return [("missing", f"{100 * missing:.1f} % of the wall has no sigma: {why}")] if missing else []
 

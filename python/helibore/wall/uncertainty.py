@@ -30,8 +30,8 @@ Samples metres away say nothing about a breakout of a metre. If at more than 0.1
 scatter of the samples near (what each differs from the estimate of those above it, squared, over the variance of that)
 is above 4 times what the covariance leads to expect, the hole has such short events: it is not alike all along. Then
 the variance is multiplied by the scatter at each vertex, so that sigma is large beside what the samples show to change,
-and small elsewhere; and gaps of the turn are those of the other estimators, because an event in a wider one is seen by
-none.
+and small elsewhere; and a gap of the turn is measured within `Settings.gap_reach`, as by the other estimators, because
+an event between samples that are farther apart is seen by none.
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -174,17 +174,15 @@ def shows_events(samples: Columns, settings: Settings, threads: int) -> bool:
 def with_gaps_of_shape(samples: Columns, settings: Settings, events: bool) -> Settings:
     """Return the settings with the ``gap_reach`` and ``largest_gap`` for near and far neighbours.
 
-    `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known. With short ``events`` they are
-    those of the other estimators.
+    `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known. ``events``: `shows_events`.
     """
-    if events:
-        return settings
     from helibore.wall.covariance import covariance_of, shows_around
 
     covariance = covariance_of(settings.covariance or ())
     around = float(np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius))
     around *= _OF_HALF_TURNS if covariance.half_turns else 1.0
-    reach = covariance.gap_reach if shows_around(samples, covariance.gap_reach) else settings.gap_reach
+    alike = not events and shows_around(samples, covariance.gap_reach)
+    reach = covariance.gap_reach if alike else settings.gap_reach
     most = settings.largest_gap if covariance.turn else min(settings.largest_gap, around)
     return replace(settings, gap_reach=reach, largest_gap=most)
 
