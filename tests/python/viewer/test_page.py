@@ -122,6 +122,29 @@ def test_looking_differently_sends_nothing(shown: Any) -> None:
     assert len(set(views)) >= 5, "and each is another picture"
 
 
+# Pans by five frames; resolves to what was written though it was so already: element and attribute.
+WRITTEN_AGAIN = """new Promise((done) => {
+  const { view, store } = window.__wall.app;
+  const again = ({ oldValue, target, attributeName: name }) => oldValue === target.getAttribute(name);
+  const found = [];
+  const take = (records) => found.push(...records.filter(again).map((one) => `${one.target.id} ${one.attributeName}`));
+  const written = new MutationObserver(take);
+  written.observe(document, { subtree: true, attributes: true, attributeOldValue: true });
+  const step = (frames) => {
+    if (!frames) return done([...new Set(found)]);
+    view.show(view.top + 0.1, view.length, store);
+    return requestAnimationFrame(() => step(frames - 1));
+  };
+  step(5);
+})"""
+
+
+def test_panning_writes_no_attribute_that_has_its_value_already(shown: Any) -> None:
+    shown.settle()
+    again = shown.evaluate(WRITTEN_AGAIN)
+    assert set(again) <= {"printAll href"}, "the browser finds the style of such an element anew, in every frame"
+
+
 def test_nothing_is_asked_of_another_machine(shown: Any) -> None:
     shown.settle()
     assert shown.requests

@@ -3,7 +3,7 @@
 // hides them, and Q silences the alarms once they are shown.
 
 import { recall, remember } from './memory.js';
-import { byId } from './dom.js';
+import { byId, hide, say } from './dom.js';
 import { late } from './late.js';
 import { showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, sureText } from './zones.js';
@@ -113,9 +113,9 @@ export class Alarms {
     const texts = places ? places(this.app, true) : this.texts(units);
     this.whole &&= texts.length > 0;
     const whole = rig && this.whole;
-    byId('alarm').hidden = !texts.length;
-    byId('alarmWhole').hidden = !whole;
-    byId('silence').textContent = whole ? 'Close (A), silence (Q)' : rig ? 'Read (A)' : 'Silence (Q)';
+    hide(!texts.length, 'alarm');
+    hide(!whole, 'alarmWhole');
+    say('silence', whole ? 'Close (A), silence (Q)' : rig ? 'Read (A)' : 'Silence (Q)');
     lines('alarmText', places ? few(places(this.app, false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);
   }

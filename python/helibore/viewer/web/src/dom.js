@@ -22,11 +22,18 @@ export function oncePerFrame(draw) {
   };
 }
 
-// Write a text. One that stands there already is not written: the browser would lay the page out anew.
-/** @param {string} id @param {string} text */
-export function say(id, text) {
-  if (byId(id).textContent !== text) byId(id).textContent = text;
+// Give an element properties. What it has already is not written: the browser would find its style or lay the page out anew.
+/** @param {HTMLElement} at @param {Record<string, unknown>} properties */
+export function put(at, properties) {
+  const of = /** @type {Record<string, unknown>} */ (/** @type {unknown} */ (at));
+  for (const [name, value] of Object.entries(properties)) if (of[name] !== value) of[name] = value;
 }
+
+/** @param {boolean} hidden @param {...string} ids */
+export const hide = (hidden, ...ids) => ids.forEach((id) => put(byId(id), { hidden }));
+
+/** @param {string} id @param {string} textContent */
+export const say = (id, textContent) => put(byId(id), { textContent });
 
 // Write pairs of name and text to a list; a third text is the tooltip of both.
 /** @param {string} id @param {string[][]} pairs */
@@ -35,9 +42,5 @@ export function write(id, pairs) {
   if (list.children.length !== 2 * pairs.length) {
     list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].flatMap((name) => [document.createElement(name), ' ']))); // copied text keeps its words apart
   }
-  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((words, j) => {
-    const at = /** @type {HTMLElement} */ (list.children[2 * i + j]);
-    if (at.textContent !== words) at.textContent = words;
-    if (at.title !== title) at.title = title;
-  }));
+  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((textContent, j) => put(/** @type {HTMLElement} */ (list.children[2 * i + j]), { textContent, title })));
 }

@@ -2,7 +2,7 @@
 // as long as the feed has an alarm that data do not come or are not kept, silenced or not, and "lost" as long as a source is not connected.
 
 import { shortOf } from './alarms.js';
-import { byId, say } from './dom.js';
+import { byId, put, say } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
@@ -20,10 +20,8 @@ export const SIGNS = { live: '✓', late: '!', lost: '✕' };
 /** @param {App} app */
 export function lamp(app) {
   const [colour, text] = lampWords(app);
-  const at = byId('lamp');
-  at.className = `lamp ${colour}`;
+  put(byId('lamp'), { className: `lamp ${colour}`, title: text });
   say('lampSign', SIGNS[colour] ?? '');
-  at.title = text;
   say('lampText', text);
 }
 

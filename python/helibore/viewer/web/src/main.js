@@ -9,7 +9,7 @@ import { fromAddress, toAddress } from './address.js';
 import { quantities, takeRanges } from './color.js';
 import { Connection, LOST, socketAddress, STOPPED } from './connection.js';
 import { Curves } from './curves.js';
-import { byId, options } from './dom.js';
+import { byId, hide, options, say } from './dom.js';
 import { Exported, exportedContents } from './exported.js';
 import { Figures } from './figures.js';
 import { Glow } from './glow.js';
@@ -156,10 +156,10 @@ export class App {
 
   /** @param {string} text @param {number} [shownFor] */
   notice(text, shownFor = 0) {
-    byId('notice').textContent = text;
-    byId('notice').hidden = !text;
+    say('notice', text);
+    hide(!text, 'notice');
     clearTimeout(this.noticed);
-    if (shownFor) this.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * shownFor);
+    if (shownFor) this.noticed = setTimeout(() => hide(true, 'notice'), 1000 * shownFor);
   }
 
   /** @param {Handshake} handshake */
@@ -169,7 +169,7 @@ export class App {
     this.store = new Store(handshake);
     this.curves.offered = [];
     disableControls(false);
-    byId('gl').hidden = false;
+    hide(false, 'gl');
     showBasis(handshake);
     this.picking.begin(handshake);
     this.alarms.begin(handshake.session);
@@ -293,9 +293,8 @@ export class App {
   say(status, words) {
     this.status = status;
     this.words = words;
-    const box = byId('connection'); // longer texts than the lamp has room for
-    box.textContent = words;
-    box.hidden = !words || words === LOST || words === STOPPED;
+    say('connection', words); // longer texts than the lamp has room for
+    hide(!words || words === LOST || words === STOPPED, 'connection');
     lamp(this);
     this.redraw();
   }

@@ -2,7 +2,7 @@
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { sized } from './device.js';
-import { byId, options, say, write } from './dom.js';
+import { byId, hide, options, put, say, write } from './dom.js';
 import { wrap360 } from './helix.js';
 import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
@@ -75,10 +75,10 @@ export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (by
 /** @param {Handshake} handshake */
 export function showBasis({ basis, basis_text: text, bit_diameter: size }) {
   const bit = `${showLength(size, 'mm', 1)} (${showLength(size, 'in', 3)})`;
-  byId('basis').hidden = basis === 'azimuthal';
+  hide(basis === 'azimuthal', 'basis');
   byId('basis').textContent = basis === 'gauge' ? `No caliper: the hole is drawn at bit size, ${bit}. Nothing measured its diameter, section, volume or washout.` : `${text[0].toUpperCase()}${text.slice(1)}.`;
-  byId('crossSection').hidden = basis !== 'azimuthal';
-  for (const id of /** @type {const} */ (['shape', 'median'])) byId(id).hidden = basis === 'gauge';
+  hide(basis !== 'azimuthal', 'crossSection');
+  hide(basis === 'gauge', 'shape', 'median');
 }
 
 // Return the scale of paper that the tracks have, if it is one of those offered.
@@ -96,22 +96,17 @@ export function printScale({ length }, image) {
   return SCALES.reduce((best, one) => (off(one) < off(best) ? one : best));
 }
 
-// Write the value of a control. One that stands there already is not written, as the browser would draw the control anew.
 /** @param {'cut' | 'pass' | 'units' | 'median' | 'camera' | 'tube' | 'shape' | 'sectionLength' | 'goTo' | 'quantity' | 'map' | End} id @param {string} value */
-function set(id, value) {
-  const at = byId(id);
-  if (at.value !== value) at.value = value;
-}
+const set = (id, value) => put(byId(id), { value });
 
 // Show the view's own settings in the controls, whoever changed them.
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) set(id, String(view[id]));
-  byId('tube').hidden = view.camera !== 'outside';
-  byId('fit').hidden = view.camera !== 'outside';
-  byId('whole').hidden = view.camera === 'straight';
+  hide(view.camera !== 'outside', 'tube', 'fit');
+  hide(view.camera === 'straight', 'whole');
   byId('whole').classList.toggle('on', view.tab === '3d');
-  byId('fly').hidden = byId('film').hidden = !isInside(view);
+  hide(!isInside(view), 'fly', 'film');
   const paper = paperScale(view, image);
   const { depth } = LENGTHS[view.units];
   sections(depth);
@@ -119,20 +114,17 @@ export function reflect(view, quantity, image) {
   set('sectionLength', paper ? `1:${paper}` : length ? String(length / depth.scale) : '');
   if (document.activeElement !== byId('goTo')) set('goTo', (view.middle * depth.scale).toFixed(1));
   say('beside', view.beside.includes(quantity.id) ? 'Alone' : 'Beside');
-  for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
+  for (const tab of tabs()) put(tab, { ariaSelected: String(tab.value === view.tab) });
   byId('follow').classList.toggle('on', view.follow);
   say('follow', view.follow ? 'Following' : 'Follow bit');
   set('quantity', quantity.id);
   set('map', quantity.map);
-  byId('log').checked = quantity.log;
-  byId('dynamic').checked = quantity.dynamic;
-  byId('inView').checked = quantity.inView;
+  for (const id of /** @type {const} */ (['log', 'dynamic', 'inView'])) byId(id).checked = quantity[id];
   const scale = scaleOf(quantity, view.units);
   for (const end of /** @type {const} */ (['low', 'high'])) {
-    const input = byId(end);
     const value = quantity[end] * scale;
-    if (document.activeElement !== input) set(end, Number.isFinite(value) ? String(Number(value.toPrecision(5))) : '');
-    input.disabled = quantity.dynamic || quantity.inView;
+    if (document.activeElement !== byId(end)) set(end, Number.isFinite(value) ? String(Number(value.toPrecision(5))) : '');
+    byId(end).disabled = quantity.dynamic || quantity.inView;
   }
   const unit = unitOf(quantity, view.units);
   say('rangeUnit', unit);
@@ -245,7 +237,7 @@ export function listZones(zones, view, alarms, show, none) {
     for (const zone of sorted) row(JSON.stringify([zone, units, theme, alarms.isNew(zone)]), () => rowOf(zone, view, alarms.isNew(zone), show));
     place(list, listed.rows, rows);
     listed = { made, sorted, rows };
-    byId('zonesCard').hidden = !zones.length && !none;
+    hide(!zones.length && !none, 'zonesCard');
     byId('zonesCard').style.setProperty('--rows', String(zones.length));
     byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
     byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
@@ -315,25 +307,21 @@ function countHidden() {
 // Set the links that download the section; they are hidden in an exported file, which has no server.
 /** @param {App} app @param {string} address */
 export function links({ view, store, contents, prints, meshes, renderer: { rects } }, address) {
-  byId('csv').hidden = byId('las').hidden = byId('export').hidden = contents !== null;
-  byId('glb').hidden = !meshes || contents !== null;
-  byId('print').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
-  const query = new URLSearchParams(location.search); // the token
-  query.set('start', view.top.toFixed(3));
-  query.set('stop', view.bottom.toFixed(3));
-  byId('csv').href = `api/section.csv?${query}`;
-  byId('las').href = `api/section.las?${query}`;
-  byId('glb').href = `api/section.glb?${query}`;
+  const saved = Boolean(contents);
+  hide(saved, 'csv', 'las', 'export');
+  hide(saved || !meshes, 'glb');
+  hide(saved || !prints, 'print', 'printAll', 'dipPrint');
+  /** @param {(string | number)[]} ends */
+  const between = ([start, stop]) => new URLSearchParams(`${location.search}&start=${start}&stop=${stop}`); // with the token
+  const query = between([view.top, view.bottom].map((end) => end.toFixed(3)));
+  for (const kind of /** @type {const} */ (['csv', 'las', 'glb'])) byId(kind).href = `api/section.${kind}?${query}`;
   const scale = printScale(view, rects.image);
   const look = `units=${view.units}&scale=${scale}&picks=${view.picks}`;
   const picks = view.picks === 'on' ? ', with its picks' : '';
   byId('print').href = `api/print.pdf?${query}&${look}`;
   byId('print').title = byId('dipPrint').title = `${showSpan(view.top, view.bottom, view.units)}, in view, on paper at 1:${scale}${picks} (PDF). Print well, below the log, prints it all.`;
-  const whole = new URLSearchParams(location.search);
-  whole.set('start', String(store.span[0]));
-  whole.set('stop', String(store.span[1]));
-  byId('printAll').href = `api/print.pdf?${whole}&${look}`;
-  byId('printAll').title = `The whole well on paper at 1:${scale}, nearest to the scale in view, ${showDepth((store.span[1] - store.span[0]) / scale, view.units)} long${picks} (PDF)`;
+  byId('printAll').href = `api/print.pdf?${between(store.span)}&${look}`;
+  put(byId('printAll'), { title: `The whole well on paper at 1:${scale}, nearest to the scale in view, ${showDepth((store.span[1] - store.span[0]) / scale, view.units)} long${picks} (PDF)` });
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }

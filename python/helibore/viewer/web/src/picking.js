@@ -6,7 +6,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
 import { axisOf, fitPlane, northOf, planeDepth, planeOf } from './dips.js';
-import { byId, options } from './dom.js';
+import { byId, hide, options, say } from './dom.js';
 import { download } from './saving.js';
 import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
 
@@ -184,7 +184,7 @@ export class Picking {
     this.on = on;
     if (!on) Object.assign(this, { points: [], selected: null });
     byId('dipOpen').classList.toggle('on', on);
-    byId('dips').hidden = !on;
+    hide(!on, 'dips');
     this.writeSaved();
     document.body.classList.toggle('picking', on);
     if (on) {
@@ -561,12 +561,13 @@ export class Picking {
     this.writeSaved();
     byId('pickClass').value = pick?.kind ?? this.kind;
     byId('dipKeep').disabled = open || !current;
-    byId('dipRemove').hidden = !pick;
+    hide(!pick, 'dipRemove');
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
     byId('dipRedo').disabled = !this.undone.length;
-    byId('dipKeep').hidden = !this.points.length; // Keep, Delete and Open are shown one at a time, so that the buttons have room in one row
-    byId('dipSave').hidden = Boolean(this.app.contents);
-    byId('dipLoad').hidden = Boolean(pick) || this.points.length > 0 || Boolean(this.app.contents);
+    hide(!this.points.length, 'dipKeep'); // Keep, Delete and Open are shown one at a time, so that the buttons have room in one row
+    const saved = Boolean(this.app.contents);
+    hide(saved, 'dipSave');
+    hide(saved || Boolean(pick) || this.points.length > 0, 'dipLoad');
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [];
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class. A new pick begins off it.`);
@@ -582,7 +583,7 @@ export class Picking {
     else if (pick && axisOf(this.app.path, pick.depth, pick.toolface)) lines.unshift(`azimuth ${axisOf(this.app.path, pick.depth, pick.toolface)} from ${northOf(this.app.path)}`);
     lines.push(`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`);
     const text = lines.join('\n');
-    if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
+    say('dipText', text);
     writeFields(pick, units);
   }
 

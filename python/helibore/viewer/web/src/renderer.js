@@ -8,7 +8,7 @@ import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
 import { heldPlane } from './dips.js';
-import { byId, oncePerFrame, say, write } from './dom.js';
+import { byId, hide, oncePerFrame, say, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { Gpu } from './gpu.js';
 import { bindOrbit } from './input.js';
@@ -228,7 +228,7 @@ export class Renderer {
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) late(app)?.drawPoints(ink, one, picking.points);
     picking.write(planes);
-    byId('netSection').hidden = !picking.drawn.length;
+    hide(!picking.drawn.length, 'netSection');
     if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
     if (rects.axis.width) drawCursor(ink, look);
     if (rects.dips) tadpoles(ink, look, rects.dips, planes); // above the line of the cursor
@@ -266,7 +266,7 @@ export class Renderer {
       selection.toSay = false;
       byId('spoken').textContent = spokenText(app);
     }
-    byId('follow').hidden = !look.growing;
+    hide(!look.growing, 'follow');
     say('readTitle', view.pinned ? 'Cursor (held)' : cursor ? 'Cursor' : 'Middle of the log');
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
     say('crossTitle', `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`);
@@ -295,7 +295,7 @@ export class Renderer {
     if (before !== this.rects.wall.width && !view.eye.length) this.fitted = false;
     this.gpu?.resize(width, height);
     const { pane: wall } = this.rects;
-    byId('orbit').hidden = this.straight;
+    hide(this.straight, 'orbit');
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     const below = wall.width ? { left: wall.left + 90, width: wall.width - 100 } : { left: 8, width: width - 16 }; // a tab without the hole

@@ -2,7 +2,7 @@
 // how many vertices the wall had (scene.py). The page shows that many, with the radii of the first pass, and the bit at
 // its depth of that moment. Radii of passes between the first and the latest are not kept.
 
-import { byId } from './dom.js';
+import { byId, hide } from './dom.js';
 import { showClock } from './units.js';
 
 const RUN = 20; // seconds to play all of it
@@ -55,7 +55,7 @@ export class Replay {
     this.app.view.choose({ pass: 'first' });
     const [from, to] = [points.time[0], points.time.at(-1)];
     Object.assign(byId('moment'), { min: from, max: to, step: 'any', value: to });
-    byId('replay').hidden = false;
+    hide(false, 'replay');
     byId('replayOpen').classList.add('on');
     return this.show(to);
   }
@@ -90,7 +90,7 @@ export class Replay {
   // End the replay, and show the present wall.
   close() {
     this.play(false);
-    byId('replay').hidden = true;
+    hide(true, 'replay');
     byId('replayOpen').classList.remove('on');
     if (!this.past) return;
     this.past = null;

@@ -1,7 +1,7 @@
 // Rig mode (K): what rig_digits.js writes, beside a picture of the last metres and the worst place. The view follows the bit
 // until the mode is left; the address holds the mode, so a reload keeps it.
 
-import { byId } from './dom.js';
+import { hide, say } from './dom.js';
 import { late } from './late.js';
 
 export const RECENT = 30; // metres of hole that "last" and "ahead" mean, if the wall is that long
@@ -14,9 +14,9 @@ export const recent = ({ span: [shallow, deep], levels: [{ pitch }] }) => (pitch
 /** @param {App} app */
 export function writeRig(app) {
   const { view, store } = app;
-  byId('rig').hidden = !view.rig || !store;
+  hide(!view.rig || !store, 'rig');
   document.body.classList.toggle('rig', view.rig);
-  byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
+  say('rigOpen', view.rig ? 'Desk' : 'Rig');
   const more = view.rig && late(app);
   if (!more) return;
   if (!document.adoptedStyleSheets.length) {

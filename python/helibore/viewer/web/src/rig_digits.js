@@ -2,7 +2,7 @@
 // where the bit is, whether data come, the place to know first and how sure it is, and the clearance of each body of the string.
 
 import { overlap, shortOf } from './alarms.js';
-import { byId, say } from './dom.js';
+import { byId, hide, say } from './dom.js';
 import { ageOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
 import { HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
@@ -51,8 +51,8 @@ export function writeDigits(app) {
   cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : lifted || trueDepth);
   writeData(app);
   writeWorst(app);
-  byId('rigBodies').hidden = !app.string;
-  byId('rigHoleCell').hidden = Boolean(app.string);
+  hide(!app.string, 'rigBodies');
+  hide(Boolean(app.string), 'rigHoleCell');
   if (app.string) writeBodies(app);
   else cell('rigHole', `Hole size, last ${showDepth(ends[1] - ends[0], units, 0)}`, ...holeSize(app));
   const strip = /** @type {HTMLImageElement} */ (byId('rigChannels')); // the server draws it

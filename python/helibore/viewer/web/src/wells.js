@@ -8,7 +8,7 @@ import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { drawColourBar } from './color_bar.js';
 import { pen, pixelRatio, sharpen, sized } from './device.js';
 import { drawLegend } from './dip_ink.js';
-import { byId, oncePerFrame, options, write } from './dom.js';
+import { byId, hide, oncePerFrame, options, write } from './dom.js';
 import { messageOf } from './errors.js';
 import { FLAT } from './flat.js';
 import { Context } from './gl.js';
@@ -86,7 +86,7 @@ export class Wells {
       document.title = `${listed.map(({ name }) => name).join(', ')} – helibore`;
     } catch (error) {
       byId('notice').textContent = `The wells were not read: ${messageOf(error)}`;
-      byId('notice').hidden = false;
+      hide(false, 'notice');
     }
   }
 
@@ -201,8 +201,8 @@ export class Wells {
     byId('placed').textContent = this.mode === 'scene' ? this.note : ''; // side by side no place is needed
     byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
-    for (const id of /** @type {const} */ (['datum', 'cut'])) byId(id).hidden = this.mode === 'scene';
-    byId('tube').hidden = this.mode !== 'scene';
+    hide(this.mode === 'scene', 'datum', 'cut');
+    hide(this.mode !== 'scene', 'tube');
     byId('theme').textContent = this.view.theme === 'dark' ? 'Light' : 'Dark';
     if (key !== this.listed) {
       this.listed = key;
@@ -211,7 +211,7 @@ export class Wells {
       options('cut', cuts.map((cut) => [cut, `${CUTS[cut].letters.join('-')}: ${CUTS[cut].label}`]));
       options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
       byId('wells').replaceChildren(...wells.map((well) => this.wellRow(well)));
-      byId('topsSection').hidden = !tops.length;
+      hide(!tops.length, 'topsSection');
       byId('tops').replaceChildren(...tops.map((top) => this.topRow(top)));
     }
     byId('quantity').value = this.quantityId;
