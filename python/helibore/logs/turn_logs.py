@@ -38,6 +38,7 @@ from helibore.logs.depth_steps import ALIKE_ALONG, by_step
 from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
 from helibore.logs.log_columns import COLUMNS, SHAPE_SIGMA, WORN
+from helibore.logs.rounding import rounding_sigma
 from helibore.logs.shape_sigma import shape_sigma
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
@@ -714,6 +715,10 @@ def turn_logs(
     around_alike = alike if sigma is None else _alike_around(wall, alike)
     uncertain = None
     if sigma is not None:
+        measured = columns_of_samples(wall)
+        if measured:
+            rounded = rounding_sigma(radius[: turns * K].reshape(turns, K), measured[2], wall.settings)
+            shared = np.hypot(shared, rounded)
         radii, sigmas = (of[: turns * K].reshape(turns, K) for of in (radius, column("sigma", sigma)))
         stated = {"c1": most, "c2": found["c2"], "ovality_api": ovality}
         accuracy = np.hypot(caliper_accuracy, shared)
