@@ -30,7 +30,7 @@ struct Blocks {
     SampleColumns columns() const { return {depth, toolface, radius}; }
 };
 
-void every_instruction_set_finds_the_same() {
+void every_instruction_set_and_number_of_threads_finds_the_same() {
     for (const std::size_t size : {20U, 64U, 75U}) {
         const Blocks blocks(size == 75 ? 1 : 3, size, 3e-4);
         const auto fitted = [&](InstructionSet level) {
@@ -39,6 +39,7 @@ void every_instruction_set_finds_the_same() {
         const std::vector<double> plain = fitted(InstructionSet::plain);
         CHECK(plain.size() >= 8 && plain.size() <= 12);
         CHECK(fitted(InstructionSet::automatic) == plain);
+        CHECK(fit_covariance(blocks.columns(), static_cast<Index>(size), 0.11, 0.0, 0.0, 3)[0].values == plain);
         for (const InstructionSet level : {InstructionSet::avx2, InstructionSet::avx512}) try {
                 CHECK(fitted(level) == plain);
             } catch (const InputError&) {  // this processor does not have it
@@ -95,7 +96,7 @@ void refused() {
 }  // namespace
 
 int main() {
-    every_instruction_set_finds_the_same();
+    every_instruction_set_and_number_of_threads_finds_the_same();
     finds_the_noise();
     extremes();
     refused();
