@@ -225,7 +225,8 @@ export class View extends Settings {
     if (this.rig && byHand) return;
     const [shallow, deep] = store.span;
     const size = Math.min(Math.max(length, SHORTEST), longest(store));
-    const clamped = Math.min(Math.max(top + (length - size) / 2, shallow - size * 0.5), Math.max(deep - size * 0.5, shallow - size * 0.5));
+    const beyond = size * (byHand ? 0.5 : 0.7); // the bit that is followed may be so far ahead
+    const clamped = Math.min(Math.max(top + (length - size) / 2, shallow - beyond), Math.max(deep - size + beyond, shallow - beyond));
     this.#change({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
   }
 

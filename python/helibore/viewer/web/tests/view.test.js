@@ -175,6 +175,10 @@ test('following keeps the newest quad near the bottom, or near the top when logg
   const up = { ...wall, end: 1000, levels: [{ pitch: -0.1 }] };
   view.followEnd(up);
   assert.ok(view.top < 1000 && 1000 - view.top < 0.2 * view.length);
+  view.followEnd(wall, 1100 + 0.59 * view.length);
+  assert.ok(view.bottom > 1100 + 0.6 * view.length, 'the bit is in view');
+  view.followEnd(up, 1000 - 0.59 * view.length);
+  assert.ok(view.top < 1000 - 0.6 * view.length);
 });
 
 test('an address says what is seen, and a wrong one nothing', () => {
