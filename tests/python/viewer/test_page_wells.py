@@ -310,6 +310,47 @@ class TestPage:
             assert 0 < down.min() < down.max() < height
             screen.close()
 
+    def test_the_nearer_the_eye_the_thinner_the_lines_and_the_hole(self, browser: Any) -> None:
+        """Two wells 700 m apart: seen as a whole, then one alone. Discs are seen through, their edges are not."""
+        walls = {"A-1": made((0.0, 0.0, 0.0), TOPS["A-1"]), "B-2": made((0.0, 700.0, 0.0), TOPS["B-2"])}
+        walls["A-1"].picks = [hb.Pick(kind="fracture", depth=1006.0, apparent_dip=60.0, toolface=90.0)]
+        state = (
+            "(({ scene, tube }) => [tube, scene.thin, 2 * Math.hypot(...scene.from) *"
+            " window.__wall.wells.gpu.outside.tangent / scene.rect.height])(window.__wall.wells)"
+        )
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#off=fence_box", drawn=False)
+            screen.until("window.__wall.wells.drawn.length === 2 && window.__wall.wells.wells[0].planes.length")
+            far = screen.evaluate(state)
+            screen.click("#wells button")
+            screen.until(f"window.__wall.wells.tube < {far[0]}")
+            near = screen.evaluate(state)
+            assert near[1] < far[1] / 10
+            assert [1.5 < thin / pixel < 4 for _, thin, pixel in (far, near)] == [True, True], "a line has some pixels"
+            assert 0.1 * 2 * far[0] < 16 / 4, "no hole of 16 m is drawn as a disc"
+            alphas = screen.evaluate("window.__wall.wells.scene.areas.tints.filter((_, i) => i % 4 === 3)")
+            assert {round(255 * 0.35), round(255 * 0.9)} <= set(alphas)
+            screen.close()
+
+    def test_heights_are_exaggerated_and_the_picture_says_so(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, drawn=False)
+        box = (
+            "(({ scene }) => { const { low, high, rect } = scene; const [x, y, z] = low;"
+            " const [a, b] = [[x, y, z], [x, y, high[2]]].map((at) => scene.project(at, rect));"
+            " const c = scene.project([high[0], y, z], rect);"
+            " return Math.hypot(b[0] - a[0], b[1] - a[1]) / Math.hypot(c[0] - a[0], c[1] - a[1]);"
+            "})(window.__wall.wells)"
+        )
+        flat = screen.evaluate(box)
+        screen.page.select_option("#tall", "5")
+        screen.until("window.__wall.wells.scene.tall === 5 && window.__wall.wells.scene.fitted")
+        labels = "document.getElementById('ink').labels.map(({ text }) => text).join()"
+        screen.until(f"{labels}.includes('heights × 5: dips look steeper')")
+        assert screen.evaluate(box) > 2.5 * flat
+        assert "true dip" not in screen.evaluate(labels)
+        screen.until("location.hash.includes('tall=5')")
+        screen.close()
+
     def test_a_top_is_the_disc_of_its_bed_or_a_level_ring_without_a_dip(self, browser: Any) -> None:
         walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
         pick = hb.Pick(kind="bed", depth=1004.0, apparent_dip=30.0, toolface=90.0)

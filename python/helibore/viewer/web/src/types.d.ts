@@ -154,7 +154,7 @@ interface Contents {
 // Elements of the page by id; any other is an HTMLElement.
 type Ids<Names extends string, Kind> = { [id in Names]: Kind };
 type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar' | 'run', Canvas>
-  & Ids<'camera' | 'curve' | 'cut' | 'datum' | 'mode' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
+  & Ids<'camera' | 'curve' | 'cut' | 'datum' | 'mode' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tall' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'box' | 'dipFile' | 'discs' | 'dynamic' | 'fence' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText' | 'planes', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
   & Ids<'csv' | 'export' | 'glb' | 'las' | 'png' | 'print' | 'printAll' | 'slide' | 'svg', HTMLAnchorElement>

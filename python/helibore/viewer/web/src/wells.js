@@ -26,6 +26,7 @@ import { Scene } from './wells_scene.js';
 import { farApart, Section, TRUE } from './wells_section.js';
 
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
+const HEIGHTS = [1, 2, 5, 10, 20];
 const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
 const MOVING = 250; // milliseconds until a picture that has moved is drawn in full
 const WIDE = 3840; // pixels of a saved picture
@@ -170,7 +171,7 @@ export class Wells {
       const looks = this.mode === 'scene' ? this.scene.draw(ink, rect) : this.section.draw(ink, rect);
       const asked = this.quantity;
       const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
-      if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8 }, imagePieces: [] }, height - BAR / 2);
+      if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8, width: rect.width - 16 }, imagePieces: [] }, height - BAR / 2);
       if (looks[0] && this.mode === 'scene' && this.shown.planes) {
         const rects = { ...looks[0].rects, axis: { ...rect, height: height - BAR / 2 - 10 }, image: { ...rect, width: 0 }, pane: rect };
         drawLegend(ink, { ...looks[0], view: this.viewOf(-1e6, 2e6), rects }, { kept: this.drawn.flatMap((well) => this.scene.picksOf(well, this.scene.topsOf(well))), boxes: [], selected: null, current: null, open: false }, []);
@@ -201,14 +202,15 @@ export class Wells {
     byId('placed').textContent = this.mode === 'scene' ? this.note : ''; // side by side no place is needed
     byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
-    hide(this.mode === 'scene', 'datum', 'cut');
-    hide(this.mode !== 'scene', 'tube');
+    for (const id of /** @type {const} */ (['datum', 'cut'])) byId(id).hidden = this.mode === 'scene';
+    for (const id of /** @type {const} */ (['tube', 'tall'])) byId(id).hidden = this.mode !== 'scene';
     byId('theme').textContent = this.view.theme === 'dark' ? 'Light' : 'Dark';
     if (key !== this.listed) {
       this.listed = key;
       options('quantity', names);
       options('datum', [['', 'measured depth'], [TRUE, 'true vertical depth'], ...tops.map(({ name }) => /** @type {Choice} */ ([name, `hang on ${name}`]))]);
       options('cut', cuts.map((cut) => [cut, `${CUTS[cut].letters.join('-')}: ${CUTS[cut].label}`]));
+      options('tall', HEIGHTS.map((v) => [v, `heights × ${v}`]));
       options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
       byId('wells').replaceChildren(...wells.map((well) => this.wellRow(well)));
       hide(!tops.length, 'topsSection');
@@ -217,6 +219,7 @@ export class Wells {
     byId('quantity').value = this.quantityId;
     byId('datum').value = this.datum;
     byId('tube').value = String(this.view.tube);
+    byId('tall').value = String(this.scene.tall);
     byId('cut').value = this.view.cut;
   }
 
@@ -280,6 +283,7 @@ export class Wells {
     });
     on('quantity', 'change', ({ value }) => (this.quantityId = value));
     on('tube', 'change', ({ value }) => view.choose({ tube: Number(value) }));
+    on('tall', 'change', ({ value }) => Object.assign(this.scene, { tall: Number(value), fitted: false }));
     on('cut', 'change', ({ value }) => (this.cut = /** @type {Cut} */ (value)));
     on('units', 'change', ({ value }) => view.choose({ units: /** @type {Units} */ (value) }));
     on('theme', 'click', () => view.toggleTheme());
@@ -383,7 +387,7 @@ export class Wells {
 
   toAddress() {
     const { view, scene, section } = this;
-    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, cut: this.cut, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(this.datumChosen ? { datum: this.datum } : {}) });
+    const parts = new URLSearchParams({ mode: this.mode, quantity: this.quantityId, cut: this.cut, units: view.units, theme: view.theme, ...(view.tube ? { tube: String(view.tube) } : {}), ...(scene.tall > 1 ? { tall: String(scene.tall) } : {}), ...(this.datumChosen ? { datum: this.datum } : {}) });
     if (scene.fitted) parts.set('eye', [...scene.from, ...scene.orbit.target].map((x) => x.toFixed(2)).join('_'));
     if (section.fitted) parts.set('between', [section.top, section.length].map((x) => x.toFixed(3)).join('_'));
     const off = SHOWN.filter((id) => !this.shown[id]);
@@ -401,6 +405,7 @@ export class Wells {
     if (theme === 'light' || theme === 'dark') this.view.choose({ theme });
     if (cut && cut in CUTS) this.cut = /** @type {Cut} */ (cut);
     if (units === 'mm' || units === 'in' || units === 'ft') this.view.choose({ units });
+    this.scene.tall = HEIGHTS.find((tall) => String(tall) === parts.get('tall')) ?? 1;
     this.view.choose({ tube: TUBES.find((tube) => String(tube) === parts.get('tube')) ?? 0 });
     const [eye, between] = ['eye', 'between'].map((name) => numbers(parts.get(name)));
     if (eye.length === 6) this.scene.restore(eye.slice(0, 3), eye.slice(3));
@@ -422,7 +427,7 @@ export function placed(wells) {
   const apart = niceStep(Math.max(...wells.map(({ length }) => length)) / 5);
   return {
     east: wells.map((well) => (unknown(well) ? apart * lost.indexOf(well) : 0)),
-    note: `No place is stated for ${lost.length === wells.length ? 'the wells' : lost.map(({ name }) => name).join(', ')} (path.head): drawn ${apart} m apart.`,
+    note: `No place is stated for ${lost.length === wells.length ? 'the wells' : lost.map(({ name }) => name).join(', ')} (path.head): their heads are drawn ${apart} m apart.`,
   };
 }
 

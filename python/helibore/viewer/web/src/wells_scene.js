@@ -14,6 +14,8 @@ import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from
 import { compass, inLines } from './wall_ink.js';
 
 const WIDE = 2.4; // of a disc, in radii of the drawn hole: the scene is seen from afar
+const TUBE = 0.03; // diameter of the nearest hole, in heights of the picture
+const SLIM = 12; // radii in the length of a hole, at least
 const STEPS = 24; // of the strip of a bed from its top to its base
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
@@ -26,6 +28,7 @@ export class Scene {
   changed = true; // the flat shapes are to be made anew
   key = '';
   usualTube = 1;
+  tall = 1; // exaggeration of heights
   origin = [0, 0, 0];
   low = [0, 0, 0];
   high = [1, 1, 1];
@@ -36,12 +39,29 @@ export class Scene {
   /** @param {import('./wells.js').Wells} wells */
   constructor(wells) {
     this.wells = wells;
+    const camera = wells.gpu.outside;
+    const { modelView, project } = camera;
+    Object.assign(camera, {
+      modelView: (place = [0, 0, 0], axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) => modelView.call(camera, this.stretched(place), axes.map((axis) => this.stretched(axis))),
+      project: (/** @type {Vector} */ place) => project.call(camera, this.stretched(place)),
+    });
     this.orbit = new Orbit(byId('ink'), wells.gpu.outside, () => wells.mode === 'scene' && wells.moved());
   }
 
-  // Metres that a line which joins the wells is high.
+  // Return where a place of the scene is seen: the camera and what it looks at are places there.
+  /** @param {Vector} place */
+  stretched([x, y, z]) {
+    return [x, y, z * this.tall];
+  }
+
+  // The distance of the eye, rounded so that shapes are made anew only now and then.
+  get far() {
+    return 2 ** (Math.round(2 * Math.log2(length(this.from))) / 2);
+  }
+
+  // Metres that a line is wide: so many that it has 2 pixels or 3.
   get thin() {
-    return 0.0022 * length(minus(this.high, this.low));
+    return (5 * this.far * this.wells.gpu.outside.tangent) / this.rect.height;
   }
 
   // Where the eye is, from the point that it looks at.
@@ -62,7 +82,7 @@ export class Scene {
     return minus(eastNorthUp(path.at(depth).centre), this.origin);
   }
 
-  // Measure the scene: the box around all wells, its middle, and an exaggeration with which the holes are seen.
+  // Measure the scene: the box around all wells and its middle.
   measure() {
     const { drawn, wells: all } = this.wells;
     const points = drawn.flatMap((well) => along(well.store.span, STEPS).map((depth) => eastNorthUp(well.path.at(depth).centre)));
@@ -73,9 +93,15 @@ export class Scene {
     if (!this.fitted || !all.length) this.origin = scaled(plus(low, high), 0.5);
     const margin = 0.08 * size;
     [this.low, this.high] = [low, high].map((point, i) => plus(minus(point, this.origin), [1, 1, 0.25], i ? margin : -margin));
+  }
+
+  // Return an exaggeration with which the nearest hole is seen as a hole, and no hole is a disc.
+  suitedTube() {
+    const { wells: { drawn, gpu: { outside: camera } } } = this;
     const radius = Math.max(...drawn.map(({ store }) => store.bitRadius));
-    const wanted = size / 80 / (2 * radius);
-    this.usualTube = wanted <= 1 ? 1 : niceStep(0.6 * wanted);
+    const near = Math.min(...drawn.map((well) => length(minus(this.stretched(this.at(well, (well.store.span[0] + well.store.span[1]) / 2)), camera.position))));
+    const wanted = Math.min(TUBE * near * camera.tangent, Math.min(...drawn.map(({ store: { span } }) => span[1] - span[0])) / SLIM) / radius;
+    return wanted <= 1 ? 1 : niceStep(0.6 * wanted);
   }
 
   fit() {
@@ -83,9 +109,9 @@ export class Scene {
     const { outside: camera } = this.wells.gpu;
     const points = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]));
     const from = this.facing();
-    let far = length(minus(high, low)) / camera.tangent;
+    let far = length(this.stretched(minus(high, low))) / camera.tangent;
     Object.assign(camera, { aspect: rect.width / rect.height, near: far / 1e4, far: 10 * far });
-    orbit.target = scaled(plus(low, high), 0.5);
+    orbit.target = this.stretched(scaled(plus(low, high), 0.5));
     for (let i = 0; i < 20; i++) { // nearer and to the side, until the wells fill the picture
       orbit.look(from, far);
       const seen = points.map((point) => camera.project(point)).filter((at) => at !== null);
@@ -118,8 +144,8 @@ export class Scene {
   lookAt(well, depth) {
     const [top, bottom] = well.store.span;
     const from = this.from;
-    this.orbit.target = this.at(well, depth ?? (top + bottom) / 2);
-    const far = depth === undefined ? (0.7 * (bottom - top)) / this.wells.gpu.outside.tangent : Math.max(0.4 * length(from), 40 * well.store.bitRadius * this.wells.tube);
+    this.orbit.target = this.stretched(this.at(well, depth ?? (top + bottom) / 2));
+    const far = depth === undefined ? (0.7 * length(this.stretched(minus(this.at(well, bottom), this.at(well, top))))) / this.wells.gpu.outside.tangent : Math.max(0.4 * length(from), 40 * well.store.bitRadius * this.wells.tube);
     this.orbit.look(normalised(from), far);
   }
 
@@ -129,22 +155,18 @@ export class Scene {
     const { gpu, drawn, view } = wells;
     this.rect = rect;
     this.orbit.enabled = true;
-    const key = [drawn.map(({ name, path }) => name + path.version).join(), view.theme, wells.tube, ...this.from.slice(0, 2).map(Math.sign)].join();
     if (drawn.length > this.seen) this.fitted = false; // another well has come
+    this.measure();
+    if (!this.fitted) this.fit();
+    this.usualTube = this.suitedTube();
+    const key = [drawn.map(({ name, path }) => name + path.version).join(), view.theme, wells.tube, this.tall, this.far, ...this.from.slice(0, 2).map(Math.sign)].join();
     if (this.changed || key !== this.key) {
       this.key = key;
       this.changed = false;
-      const before = this.origin;
-      this.measure();
-      if (this.fitted) this.origin = before;
-      this.shapes();
-    }
-    if (!this.fitted) {
-      this.fit();
       this.shapes();
     }
     const far = length(this.from);
-    const size = length(minus(this.high, this.low));
+    const size = length(this.stretched(minus(this.high, this.low)));
     gpu.camera = gpu.outside;
     gpu.origin = this.origin;
     Object.assign(gpu.camera, { aspect: rect.width / rect.height, near: Math.max(0.05, far / 800), far: far + 3 * size });
@@ -183,7 +205,7 @@ export class Scene {
           const [from, to] = [rows[0], rows[1]].map((row) => row[end * STEPS]);
           for (const [start, stop] of lacks ? DASHES : [[0, 1]]) {
             const edge = [start, stop].map((share) => plus(from, minus(to, from), share));
-            areas.strip(edge, edge.map((point) => plus(point, [0, 0, -this.thin])), colour, 0.95);
+            areas.strip(edge, edge.map((point) => plus(point, [0, 0, -this.thin / this.tall])), colour, 0.95);
           }
         }
       });
@@ -219,16 +241,17 @@ export class Scene {
     return discOf(plane, store.bitRadius * this.wells.tube, undefined, WIDE).map(({ edge, trace, wide }) => ({ wide, edge: minus(eastNorthUp(edge), this.origin), trace: minus(eastNorthUp(trace), this.origin) }));
   }
 
-  // Add a disc, or, for a top without a dip (`level`), a dashed ring.
+  // Add a disc that one sees through, with its edge, or, for a top without a dip (`level`), a dashed ring.
   /** @param {import('./well.js').Well} well @param {Plane} plane @param {string} colour @param {boolean} level */
   ring(well, plane, colour, level) {
     const points = this.disc(well, plane);
     points.slice(1).forEach((next, i) => {
       if (!next.wide || !points[i].wide || (level && Math.floor(i / 3) % 2)) return;
       const [a, b] = [points[i], next];
-      const inner = level ? [a, b].map(({ edge, trace }) => plus(edge, minus(trace, edge), 0.2)) : [a.trace, b.trace];
-      this.areas.strip(inner, [a.edge, b.edge], colour, 0.85);
-      if (level) this.areas.strip([a.edge, b.edge], [a.edge, b.edge].map((point) => plus(point, [0, 0, -this.thin])), colour, 0.85);
+      const rim = [a, b].map(({ edge, trace }) => plus(edge, minus(trace, edge), Math.min(0.5, this.thin / length(minus(trace, edge)))));
+      this.areas.strip(rim, [a.edge, b.edge], colour, 0.9);
+      if (!level) this.areas.strip([a.trace, b.trace], rim, colour, 0.35);
+      else this.areas.strip([a.edge, b.edge], [a.edge, b.edge].map((point) => plus(point, [0, 0, -this.thin / this.tall])), colour, 0.9);
     });
   }
 
@@ -292,7 +315,7 @@ export class Scene {
       return fitting(ink, texts, width);
     };
     for (const well of drawn) {
-      const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, 2.5 * well.store.bitRadius * wells.tube]), rect);
+      const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, (2.5 * well.store.bitRadius * wells.tube) / this.tall]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
     }
     if (wells.shown.box) this.letterBox(ink, rect, palette);
@@ -333,7 +356,7 @@ export class Scene {
     });
     compass(ink, gpu, rect, palette);
     const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
-    const words = [...(planes ? discsInWords(wells.tube, true) : [`tube × ${wells.tube}`]), ...(wells.note ? ['places not stated'] : [])];
+    const words = [...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
     const lines = inLines(ink, words, rect.width - 120); // beside the compass
     lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   }
