@@ -119,8 +119,9 @@ class Window:
         sources = live.configuration.sources
         bits = [name for name, source in sources.items() if "bit_depth" in source.rig]
         newest = live.model.rig.tracks["bit_depth"].order[-1:].tolist()
+        at_rest = live.model.rig.at_rest and not any(of.refuses_bit for of in list(live.model.readers.values()))
         if (ages := live.ages()) and (
-            live.model.rig.at_rest or not (bits and newest and newest == self._newest_bit)  # else no bit depth has come
+            at_rest or not (bits and newest and newest == self._newest_bit)  # else no bit depth has come
         ):
             self._newest_bit = newest
             known["received"] = float(round(time.time() - min(ages[name] for name in bits or ages)))
@@ -134,8 +135,9 @@ class Window:
             text = self._waiting_text(states, alarms, lost)
         fed = [sources[name] for name in bits] or list(sources.values())
         known["units"] = "ft" if fed and fed[0].units == "fps" else "mm"
+        known["alarms"] = tuple(alarm.said(named=len(sources) > 1) for alarm in alarms)
         self.scene.update_state(**known, sources=text, apart=self._kept_apart(), lost=lost,
-                                alarms=tuple(map(str, alarms)), ahead=asdict(ahead) if ahead else None)  # fmt: skip
+                                ahead=asdict(ahead) if ahead else None)  # fmt: skip
 
     def _kept_apart(self) -> str:
         """Return the passes that the wall does not take and of which radii come, such as "ream, trip"."""
@@ -194,6 +196,7 @@ class Window:
                 reference=reference,
                 alarmed=live.configuration.alarms.by_kind,
                 string=live.configuration.string,
+                was_stuck=lambda: live.model.was_stuck,
             )
         except InputError:
             if len(live.wall) == len(values):

@@ -7,7 +7,8 @@ The string is that of the configuration or, without one, a body as wide as the b
 its bodies is rigid and straight, and between them it bends with the hole, as collars do: a rigid string of 30 m would
 stick in any hole that builds a degree. So each body has the clearance of `Wall.passage` in the straightened hole, in
 the part of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight,
-whatever lies between the samples, also where a telemetry tool measured only a few places of each turn. What is not
+whatever lies between the samples, also where a telemetry tool measured only a few places of each turn. Of hole that was
+scanned again and has changed, the samples of the last scan count. What is not
 said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
 
 Hole is tight where it is less than the bit by the limit, and where a body is surely too thick for it, if its radii have
@@ -34,6 +35,7 @@ from helibore.logs.turn_logs import LEAST_SAMPLED
 from helibore.logs.zone_criteria import Criteria
 from helibore.samples.helix import helix_of
 from helibore.settings.output_settings import RigidBody
+from helibore.wall.latest_pass import latest_pass
 from helibore.wall.state import WallState
 from helibore.wall.wall_columns import NEAR_DEPTH
 
@@ -134,6 +136,9 @@ class Outlook:
     unseen
         For each body, the first hole that it would enter up, and down, of which no sensor has seen enough: its ends,
         metres, down to the bottom of the hole; None: all hole was seen up to where it sticks, or as far as is looked.
+    doubtful
+        For each body, the first place up, and down, in which it is likely too thick and not surely: the depth of the
+        bit at which it would stick, and the ends of the place, metres; None: there is none.
     """
 
     up: TightAhead | None
@@ -142,6 +147,7 @@ class Outlook:
     moving: str
     touching: tuple[float, ...]
     unseen: tuple[tuple[tuple[float, float] | None, ...], ...] = ()
+    doubtful: tuple[tuple[tuple[float, float, float] | None, ...], ...] = ()
 
 
 class Ahead:
@@ -233,6 +239,7 @@ class Ahead:
         )
         self._counts = tuple(touching)
         stretch, sigma = self._stretch(*self._ends, length), None
+        stretch = stretch and latest_pass(stretch, self._live.model.was_stuck)
         self._seen = [] if stretch is None else _seen(stretch)
         self._seen_to = self._ends[1] if max(helix_of(wall).ends(len(wall))) > self._ends[1] else math.inf
         if stretch is not None:
@@ -265,7 +272,7 @@ class Ahead:
         up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
         sides = _side(up, self._string, bit, up=True), _side(down, self._string, bit, up=False)
         self._beyond = tuple(
-            _side([of.places(bit, ahead, up, beyond=True) for of in self._bodies], self._string, bit, up)
+            _side([of.places(bit, ahead, up, "beyond") for of in self._bodies], self._string, bit, up)
             for up in (True, False)
         )
         at = tuple((_first(above, up=True), _first(below, up=False)) for above, below in zip(up, down, strict=True))
@@ -274,7 +281,8 @@ class Ahead:
         room = ahead, min(ahead, max(0.0, hole[0] - bit)) if hole else ahead  # the bit moves no deeper than the hole
         bottom = min(hole[0] if hole else bit + ahead, self._seen_to)
         unseen = tuple(self._unseen(body, bit, bottom, room, of) for body, of in zip(self._string, at, strict=True))
-        return Outlook(*sides, at, moving, self._counts, unseen)
+        doubtful = tuple(tuple(of.doubt(bit, ahead, up) for up in (True, False)) for of in self._bodies)
+        return Outlook(*sides, at, moving, self._counts, unseen, doubtful)
 
     def _unseen(
         self, body: RigidBody, bit: float, bottom: float, room: tuple[float, float],
@@ -364,12 +372,17 @@ class _Tight:
                 if any(top <= end and start <= bottom for start, end in places):
                     part.tight[first:stop] = True
 
-    def places(self, bit: float, ahead: float, up: bool, beyond: bool = False) -> list[Place]:
-        """Return the tight places within ``ahead`` on one side, or those ``beyond`` the limit."""
+    def doubt(self, bit: float, ahead: float, up: bool) -> tuple[float, float, float] | None:
+        """Return the first doubtful place within ``ahead`` on one side: the depth of the bit there, and its ends."""
+        found = (max if up else min)(self.places(bit, ahead, up, "doubtful"), key=lambda of: of.sticks_at, default=None)
+        return None if found is None else (found.sticks_at, found.top, found.bottom)
+
+    def places(self, bit: float, ahead: float, up: bool, of: str = "tight") -> list[Place]:
+        """Return the places within ``ahead`` on one side that are tight, or another of the masks of `_Part`."""
         places = []
         for part in self._parts:
             lower = part.depth + self._to_bit
-            tight = part.beyond if beyond else part.tight
+            tight = getattr(part, of)
             travel = bit - lower if up else lower - bit
             for rows in _runs(tight, part.touches, travel, -0.49 * part.height, ahead):
                 row = rows[np.argmin(part.passes[rows])]
@@ -395,6 +408,11 @@ class _Part(NamedTuple):
     lacks: Mask
     touches: Mask
     height: float
+
+    @property
+    def doubtful(self) -> Mask:
+        """Where the body is likely too thick, by more than noise, and does not surely stick."""
+        return self.lacks & self.touches & ~self.tight
 
 
 def _is_sure(part: WallState, body: RigidBody, sigma: Floats | None, depth: Floats, passes: Floats) -> bool:

@@ -175,7 +175,11 @@ class Alarm:
     text: str
 
     def __str__(self) -> str:
-        what = f"{self.rule.replace('_', ' ')} {self.source}".strip()
+        return self.said(named=True)
+
+    def said(self, named: bool) -> str:
+        """Return the alarm in words; only if it is ``named``, its source is among them."""
+        what = f"{self.rule.replace('_', ' ')} {self.source if named else ''}".strip()
         return f"{what}: {self.text}, since {clock_text(self.wall)}"
 
 

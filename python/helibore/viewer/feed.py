@@ -18,7 +18,7 @@ import pathlib
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from statistics import NormalDist
 from typing import Any, Protocol
@@ -26,7 +26,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column, distinct, joined, numbers, runs_of
+from helibore.base.arrays import Floats, Mask, column, distinct, joined, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -45,6 +45,7 @@ from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
 from helibore.viewer.scene import FRAME_STEP, MOST_POINTS, Attribute, History, PathFrames, Scene, WallShape
 from helibore.viewer.texels import NORMAL_95, Vertices
+from helibore.wall.latest_pass import latest_pass
 
 CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
@@ -87,12 +88,15 @@ class Feed:
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
         scene: Scene | None = None, reference: Reference | None = None, criteria: Criteria | None = None,
         alarmed: Mapping[str, float] | None = None, string: Sequence[RigidBody] = (),
+        was_stuck: Callable[[], bool] | None = None,
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         self._criteria = criteria  # of zones; None: the defaults of `Wall.zones`
         self._string = tuple(string)  # rigid bodies whose clearance the page shows
+        self._was_stuck = was_stuck  # of a live wall, whether its tool ever was; each place is shown by its last scan
+        self._redrawn: tuple[Mask, Any] | None = None  # vertices so shown, and the wall that has their values
         self._alarmed = alarmed or {}  # by kind: the limit of median diameter - bit beyond which turns are zones, too
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
@@ -252,7 +256,8 @@ class Feed:
                 last = min(first + CHUNK, stop, len(self._wall))
                 read = self._wall.vertices(self._first + first, self._first + last)
                 values = {name: column[first:last] for name, column in self._values.items()}
-                self.scene.write(first, Vertices(read.radius, read.nearest, read.support, read.provisional), values)
+                radius, nearest, support = self._as_shown(first, read.radius, read.nearest, read.support)
+                self.scene.write(first, Vertices(radius, nearest, support, read.provisional), values)
         self.scene.settle(settled)
         self._choose_ranges()
 
@@ -291,6 +296,8 @@ class Feed:
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
         wall: Any = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
+        if self._was_stuck is not None:
+            wall = self._last_scan(wall, self._was_stuck())
         with self._finding:
             found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
@@ -318,6 +325,34 @@ class Feed:
                 self._logged += 1
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
+
+    def _last_scan(self, wall: Any, was_stuck: bool) -> Any:
+        """Return the wall by the last scan of each place, and show the vertices that have other values by it."""
+        before, last = self._redrawn, latest_pass(wall, was_stuck)
+        differs = _unequal(last.radius, wall.radius)
+        self._redrawn = (differs, last) if differs.any() else None
+        changed = differs.copy()
+        if before is not None:
+            known = before[0].size
+            same = differs[:known] & before[0] & ~_unequal(last.radius[:known], before[1].radius)
+            changed[:known] = (differs[:known] | before[0]) & ~same
+        if changed.any():
+            with self._changed:
+                self._ranges = union([*self._ranges, *((int(a), int(b)) for a, b in runs_of(changed))], MOST_PENDING)
+                self._changed.notify_all()
+        return last
+
+    def _as_shown(self, first: int, *columns: Any) -> list[Any]:
+        """Return columns of vertices from ``first`` on; of those that the last scan shows otherwise, its values."""
+        if (redrawn := self._redrawn) is None:
+            return list(columns)
+        differs, wall = redrawn
+        of = np.flatnonzero(differs[first : first + len(columns[0])])
+        shown = []
+        for values, name in zip(columns, ("radius", "nearest", "support"), strict=True):
+            shown.append(values.copy())
+            shown[-1][of] = getattr(wall, name)[first + of]
+        return shown
 
     def _error(self, sigma: Floats | None, turn: int, toolface: float = math.nan, period: int = 360) -> float:
         """Return the standard uncertainty of a diameter of a turn, if its radii err together; NaN: not known.
@@ -456,7 +491,8 @@ class Feed:
         """
         zones, (top, bottom) = self._present_zones()
         start, stop = (min(max(end, top), bottom) for end in (start, stop))
-        summary = summarize(self._wall, start, stop, zones=zones)
+        wall = self._wall if self._redrawn is None else self._redrawn[1]
+        summary = summarize(wall, start, stop, zones=zones)
         names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
@@ -620,3 +656,9 @@ def _limits(attribute: Attribute, values: Floats) -> tuple[float, float] | None:
         low, high = percentile_limits(values, log=attribute.log)
     margin = 0.0 if low < high else 1e-3 * (low if attribute.log else max(abs(low), 1.0))  # above 0 on a log scale
     return low - margin, high + margin
+
+
+def _unequal(one: Floats, other: Floats) -> Mask:
+    """Return where two columns differ; two missing values do not."""
+    unequal: Mask = (one != other) & ~(np.isnan(one) & np.isnan(other))
+    return unequal

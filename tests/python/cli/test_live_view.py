@@ -144,11 +144,11 @@ def test_the_age_on_the_page_is_that_of_the_bit_depth_whatever_else_comes():
 
 @pytest.mark.usefixtures("needs_page")
 @pytest.mark.parametrize(
-    ("activity", "hole", "age"),
-    [(3, 130.0, 0), (8, 130.0, 40), (2, 130.0, 40), (3, 130.4, 40)],
-    ids=["in slips", "running in", "drilling", "the hole becomes deeper"],
+    ("activity", "hole", "bit", "age"),
+    [(3, 130.0, "", 0), (8, 130.0, "", 40), (2, 130.0, "", 40), (3, 130.4, "", 40), (3, 130.0, "393.70", 40)],
+    ids=["in slips", "running in", "drilling", "the hole becomes deeper", "in feet, and refused"],
 )
-def test_a_bit_depth_is_not_old_while_the_string_hangs_still_and_other_items_come(activity, hole, age):
+def test_a_bit_depth_is_not_old_while_the_string_hangs_still_and_other_items_come(activity, hole, bit, age):
     """A rig that sends the bit depth when it changes only sends none during a connection."""
     from helibore.cli.live_view import Window
 
@@ -160,7 +160,7 @@ def test_a_bit_depth_is_not_old_while_the_string_hangs_still_and_other_items_com
         live.receive("rig", wits.frame([(107, "9"), (108, "120.00"), (110, "130.00")]))
         clock.step(40)
         window.refresh({})
-        live.receive("rig", wits.frame([(107, str(activity)), (110, f"{hole:.2f}")]))
+        live.receive("rig", wits.frame([(107, str(activity)), *([(108, bit)] if bit else []), (110, f"{hole:.2f}")]))
         window.refresh({})
         assert window.scene.state.received == pytest.approx(time.time() - age, abs=5)
         clock.step(30)

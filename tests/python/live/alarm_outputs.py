@@ -37,7 +37,8 @@ class AlarmOutputs(contextlib.ExitStack):
         self.window.follow(server.live)
         self.window.refresh(server.states, server.alarms.active)
         line = f'helibore_alarm_active{{alarm="{alarm.rule}",source="{alarm.source}"}} 1.0'
-        shown = {"page": self._page_shows(str(alarm)), "metrics": line in metrics(server)}
+        said = alarm.said(named=len(server.live.configuration.sources) > 1)
+        shown = {"page": self._page_shows(said), "metrics": line in metrics(server)}
         begins = f"alarm_{alarm.rule}: {alarm.text}"
         with contextlib.suppress(AssertionError):  # a thread writes stderr
             wait(lambda: begins in self._log.getvalue(), lambda: begins, 0.001, 10.0)

@@ -202,6 +202,43 @@ def test_a_bit_that_hangs_may_move_either_way_and_its_alarm_stays():
     assert trip.alarms.ahead.outlook.moving == "up"
 
 
+def noisy(trip: Trip, diameter: float, noise: float = 0.0) -> None:
+    """Scan the hole from 114 to 116 m again, a minute after all that came before."""
+    trip.clock.step(60)
+    draw = np.random.default_rng(9)
+    depth = np.sort(draw.uniform(114, 116, 1200))
+    radius = diameter / 2 + draw.normal(0, noise, depth.size) if noise else np.full(depth.size, diameter / 2)
+    trip.live.append_samples(depth, draw.uniform(0, 360, depth.size), radius)
+
+
+def test_reamed_hole_is_as_tight_as_the_last_scan_of_it():
+    trip = Trip()
+    noisy(trip, 0.206)
+    for bit in (122.0, 121.0):
+        trip.to(bit)
+    assert trip.alarms.ahead.outlook.up.places == 2
+    noisy(trip, 0.217)
+    trip.to(120.9)
+    assert trip.alarms.ahead.outlook.up.places == 1
+    assert trip.alarms.ahead.outlook.doubtful == ((None, None),)
+
+
+def test_hole_for_which_the_bit_is_likely_too_thick_is_doubtful_and_no_tight_place():
+    """4 mm less than the bit, by less than the limit, and by radii of which each may be 4 mm off."""
+    trip = Trip("tight = 0.012\n", more="")
+    noisy(trip, 0.212, 0.004)
+    for bit in (117.5, 117.0):
+        trip.to(bit)
+    outlook = trip.alarms.ahead.outlook
+    assert outlook.up is None
+    ((found, below),) = outlook.doubtful
+    assert found is not None
+    at, top, bottom = found
+    assert top < bottom < 116.2
+    assert bottom < at < bottom + 1.0, "where the upper end of the bit is there"
+    assert below is not None, "that of 206 mm"
+
+
 def test_a_bit_that_heaves_hangs_until_it_has_left_the_place():
     """A metre up and down in ten seconds, above hole that is tight; the second way would have been said each time."""
     trip = Trip()

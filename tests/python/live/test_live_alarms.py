@@ -205,7 +205,9 @@ def test_a_jump_of_depth_is_an_alarm_for_a_minute():
     live.receive("mwd", b"&&\r\n01086561.7\r\n!!\r\n")
     alarms.check()
     assert rules(alarms) == [("depth_jump", "mwd")]
-    assert "not used; the last depth used was 2000.1 m, and it seems that feet" in texts(live)["alarm_depth_jump"]
+    assert texts(live)["alarm_depth_jump"].startswith(
+        "bit depth refused, 6561.7 m: the last depth used was 2000.1 m, and it seems that feet"
+    )
     clock.step(61)
     alarms.check()
     assert rules(alarms) == [("no_data", "mwd")]
@@ -312,6 +314,7 @@ def test_a_tight_hole_and_a_washout_end_with_the_worst_of_their_turns():
 
 def test_an_alarm_shows_the_name_of_its_source_as_the_configuration_has_it():
     assert str(Alarm("no_data", "mwd_1", 0, 0, "x")).startswith("no data mwd_1: x, since ")
+    assert Alarm("no_data", "mwd_1", 0, 0, "x").said(named=False).startswith("no data: x, since "), "the only source"
 
 
 @pytest.mark.parametrize(("zone", "shown"), [("UTC", ""), ("Asia/Tokyo", ", 07:14:21 here")])
@@ -746,7 +749,7 @@ def test_alarms_are_on_the_page():
         alarms.check()
         window.refresh(STATES, alarms.active)
         (shown,) = window.scene.state.alarms
-        assert shown.startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC")
+        assert shown.startswith("no data: nothing has come for 60 s, since 22:14:21 UTC"), "of the only source"
         live.receive("mwd", b"\r\n")
         alarms.check()
         window.refresh(STATES, alarms.active)

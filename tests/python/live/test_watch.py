@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -44,6 +45,13 @@ WRONG = {
 }  # fmt: skip
 
 
+IN_WORDS = {
+    "stays": r"(caliper|radius 2) constant since \d+ m",
+    "depth_step": r"bit depth jumped by [+-]\d+\.\d m",
+    "hole_falls": r"hole depth fell from \d+\.\d m to \d+\.\d m",
+}
+
+
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_stream_alarms(name):
     operations, change, sensors, rule, delay = WRONG[name]
@@ -53,6 +61,9 @@ def test_a_wrong_stream_alarms(name):
     times = [time for time, of, _ in found if of == rule]
     assert times, f"nothing but {found} was reported"
     assert AFTER <= times[0] <= AFTER + delay
+    said = [text.split(": ")[0] for _, of, text in found if of == rule]
+    first = re.compile(IN_WORDS.get(rule, ".+"))
+    assert all(first.fullmatch(one) for one in said), f"rig mode shows {said}"
     assert rule in MOMENTARY or ("mwd" in str(watch.active) and (rule, "mwd") in watch.active)
 
 

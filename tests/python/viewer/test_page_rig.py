@@ -134,7 +134,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         scene.update_state(bit_depth=2026.0, ahead=ahead | {"moving": "", "bodies": (*bodies[:2], (None, 2027.5))})
         screen.until("!document.querySelector('#rigWhereCell.new')")
         lacks = "document.querySelector('#rigBodies .lacks').textContent"
-        screen.until(f"{lacks} === 'Hole not measured at collar, bit'")
+        screen.until(f"{lacks} === 'Hole not measured at 2024 m (collar), 2026 m (bit)'")
         assert [(row[0], row[4]) for row in screen.evaluate(ROWS)] == [("stabiliser", "1.5 m")], "beside measured hole"
         screen.keyboard.press("a")
         screen.settle()
@@ -314,7 +314,7 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         assert screen.inner_text("#rigWhereMore") == "d", (
             "a stabiliser that is slimmer than three others, and no collar"
         )
-        assert screen.inner_text("#rigBodies") == "Hole not measured at d, c, b, a"
+        assert screen.inner_text("#rigBodies") == "Hole not measured at 1020 m (d), 1021 m (c), 1022 m (b), 1026 m (a)"
         scene.update_state(
             bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
         )
@@ -372,7 +372,9 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         screen.until("window.__wall.app.zones.length")
         viewer.scene.update_state(zones=(), zones_to=1031.2)
         screen.until(f"{digits}.startsWith('none')")
-        assert screen.inner_text("#rigBodies") == "Hole not measured at stabiliser, bit", "no heads over no rows"
+        assert screen.inner_text("#rigBodies") == "Hole not measured at 1034 m (stabiliser), 1036 m (bit)", (
+            "no heads over no rows"
+        )
         viewer.scene.update_state(ahead=ahead | {"unseen": (((1030.0, 1036.0), None), ((1030.0, 1034.0), None))})
         screen.settle()
         assert screen.evaluate(digits).startswith("none"), "the wall has just got it"
@@ -538,6 +540,75 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         screen.close()
 
 
+def test_none_is_said_of_no_place_in_which_a_body_may_stick_and_each_stabiliser_has_a_word(browser: Any) -> None:
+    """A string of 60 m that hangs in 30 m of wall; its bit is likely too thick for hole above it, and not surely."""
+    sizes = {"reamer": (0.213, 55.0), "top": (0.2, 40.0), "stabiliser": (0.21, 10.0), "bit": (0.216, 0.0)}
+    of = {"clearance": 0.002, "low": 0.001, "high": 0.003, "depth": 1010.0, "at_most": False, "short": 0.0}
+    string = {"bodies": [[size, 1.0, at] for size, at in sizes.values()], "why": "", "bit": 1028.0}
+    string["hanging"] = [{"name": name} if at > 28 else of | {"name": name} for name, (_, at) in sizes.items()]
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 4, "moving": "up", "touching": (0.213,) * 4}
+    ahead |= {"unseen": ((None, None),) * 4, "doubtful": (*((None, None),) * 3, ((1025.0, 1023.0, 1024.0), None))}
+    state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(**state, ahead=ahead)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(), zones_to=1031.2)
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('not sure')")
+        assert screen.inner_text("#rigWorstMore") == "may be tight in 1023.0–1024.0 m"
+        where = ["Next going up: may stick in", "3.0 m", "bit"]
+        assert screen.evaluate(f"({CELL})('rigWhere')") == where
+        rows = screen.evaluate(ROWS)
+        assert [row[0] for row in rows] == ["stabiliser", "bit"]
+        assert [row[3] for row in rows] == ["none", "3.0 m may stick"]
+        assert screen.inner_text("#rigBodies .lacks") == "Hole not measured at 973 m (reamer), 988 m (top)"
+        assert screen.evaluate(OVER) == []
+        viewer.scene.update_state(ahead=ahead | {"doubtful": ((None, None),) * 4})
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('none')")
+        screen.close()
+
+
+def test_nothing_counts_from_a_depth_that_was_refused_or_corrected(browser: Any) -> None:
+    string = {"bodies": [[0.216, 0.3, 0.0]], "why": "", "bit": 1020.0}
+    string["hanging"] = [{"name": "bit", "clearance": 0.004, "low": 0.003, "high": 0.005, "depth": 1019.9, "short": 0}]
+    ahead = {"up": None, "down": None, "bodies": ((None, None),), "moving": "", "touching": (0.213,)}
+    refused = "depth jump: bit depth refused, 3346 m: the last depth used was 1020 m, since 12:00:01 UTC"
+    stepped = "depth step: bit depth jumped by -9.5 m: it came to 1010.50 m in 0.5 s, since 12:00:01 UTC"
+    lamp = "document.getElementById('rigLamp').className"
+    said = """['rigAgeMore', 'rigWhereMore', 'rigBodies', 'rigBitHead', 'alarmText'].map(
+      (id) => document.getElementById(id).textContent)"""
+    with hb.view(MadeWall(20_000)) as viewer:
+        scene = viewer.scene
+        state = {"bit_depth": 1020.0, "hole_depth": 1026.0, "string": string, "ahead": ahead}
+        scene.update_state(**state, newest=time.time(), received=time.time(), alarms=(refused,))
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.querySelector('#rigBodies .name')")
+        assert screen.evaluate(f"[document.body.classList.contains('stale'), {lamp}]") == [False, "late"], "one is used"
+        scene.update_state(received=time.time() - 4)
+        screen.until("document.body.classList.contains('stale')")
+        short = "bit depth refused, 3346 m"
+        unknown = f"Clearances not known: {short}"
+        assert screen.evaluate(said) == [short, short, unknown, "Bit depth", short]
+        scene.update_state(received=time.time(), alarms=(stepped,))
+        screen.until("document.getElementById('rigWhereMore').textContent.includes('jumped')")
+        short = "bit depth jumped by -9.5 m"
+        assert screen.evaluate(said) == [short, short, f"Clearances not known: {short}", "Bit depth", short]
+        scene.update_state(hole_depth=1020.0, newest=time.time() - 30, received=time.time(), alarms=())
+        screen.until(f"{lamp} === 'live' && !document.body.classList.contains('stale')")
+        scene.update_state(hole_depth=1029.5, bit_depth=1029.5, received=time.time())  # a step of both, no hole
+        screen.until("window.__wall.app.holeDepth === 1029.5")
+        screen.settle()
+        assert "drilled" not in screen.inner_text("#rigAgeMore")
+        scene.update_state(hole_depth=1029.7, bit_depth=1029.7, received=time.time())
+        screen.until("/s, 0.2 m drilled$/.test(document.getElementById('rigAgeMore').textContent)")
+        constant = "stays: caliper constant since 1008 m: 107.95 mm, 50 times in a row, since 12:00:01 UTC"
+        scene.update_state(newest=time.time(), received=time.time(), alarms=(constant,))
+        screen.until("document.getElementById('rigAgeMore').textContent === 'caliper constant since 1008 m'")
+        assert screen.evaluate(lamp) == "late"
+        assert screen.inner_text("#alarmText") == "Caliper constant since 1008 m"
+        screen.close()
+
+
 def test_rig_mode_says_what_is_worst_and_where_if_nothing_is_tight_ahead(browser: Any) -> None:
     depth = np.arange(2000.0, 2024.0, 0.002)
     washed, tight = abs(depth - 2012) < 1, abs(depth - 2018) < 0.5
@@ -692,7 +763,10 @@ def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
         viewer.scene.update_state(alarms=alarms)
         screen.until("!document.getElementById('alarm').hidden")
         screen.settle()
-        assert screen.inner_text("#alarmText").splitlines() == ["No data from rig", "Refused mwd, +1 more"]
+        assert screen.inner_text("#alarmText").splitlines() == [
+            "No data from rig",
+            "No sample was usable for 120 s, +1 more",
+        ]
         assert screen.evaluate(lamp) == ["late", "no data from rig +1 more", "lamp late", "!"]
         height = "document.getElementById('alarm').getBoundingClientRect().height"
         banner = screen.evaluate(height)

@@ -416,6 +416,30 @@ def test_a_wall_that_is_drawn_again_with_other_settings_keeps_its_page_and_is_no
     assert (scene.levels[0].texels[: len(wall), STATE] & RESCANNED).any(), "a later pass is one"
 
 
+def test_a_live_page_shows_reamed_hole_by_its_last_scan() -> None:
+    depth = np.arange(2000.0, 2012.0, 0.004)
+    narrow = abs(depth - 2006) < 1
+    wall = hb.Wall(bit_diameter=0.216, start_depth=2000.0, max_distance=0.5)
+    wall.append(depth, depth * 9000 % 360, np.where(narrow, 0.103, 0.1085), depth - 2000)
+    feed = Feed(wall, path=None, attributes={}, well="", was_stuck=lambda: False)
+    feed._find_zones()
+    assert feed._ranges == [], "nothing was scanned again"
+    again = abs(depth - 2006) < 2
+    wall.append(depth[again] + 1e-3, depth[again] * 9000 % 360, np.where(narrow, 0.107, 0.1085)[again], depth[again])
+    feed._read([(0, len(wall))], wall.settled)
+    feed._find_zones()
+    feed._read(feed._ranges, wall.settled)
+    scene, place = feed.scene, abs(wall.depth - 2006) < 0.7
+    shown = radius_of(scene.levels[0].texels[: len(wall)], scene.shape.radius_unit)
+    np.testing.assert_allclose(shown[place], 0.107, atol=scene.shape.radius_unit)
+    assert np.median(wall.radius[place]) < 0.106
+    np.testing.assert_allclose(shown[wall.depth < 2003], 0.1085, atol=scene.shape.radius_unit)
+    assert feed._summarize(2005.3, 2006.7)["least_diameter"] == pytest.approx(0.214, abs=1e-4)
+    feed._ranges = []
+    feed._find_zones()
+    assert feed._ranges == [], "what is shown is not read again and again"
+
+
 def test_a_wall_says_how_sure_its_radii_and_its_zones_are() -> None:
     depth = np.arange(2000.0, 2012.0, 0.002)
     radius = np.where(abs(depth - 2006) < 1, 0.128, 0.108)

@@ -77,12 +77,13 @@ class LastDepth:
         return False
 
     def _refused(self, depth: float) -> str:
-        why = f"not used; the last depth used was {self._last:g} m, and {unit_rule(depth, self._last)}"
-        return f"{depth:g} m: {why}; correct the unit, or, if the step is right, set depth.jump above it, and reload"
+        why = f"the last depth used was {self._last:g} m, and {unit_rule(depth, self._last)}"
+        mend = "correct the unit, or, if the step is right, set depth.jump above it, and reload"
+        return f"refused, {depth:.6g} m: {why}; {mend}"
 
     def _confirmed(self, depth: float) -> str:
-        why = f"the last depth used was {self._last:g} m, and the depth before this one confirms the jump"
-        return f"{depth:g} m: used; {why}"
+        why = "used, because the depth before this one confirms the jump"
+        return f"jumped from {self._last:.6g} to {depth:.6g} m: {why}"
 
 
 class Steps(LastDepth):

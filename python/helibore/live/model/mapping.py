@@ -114,7 +114,8 @@ class SourceReader:
         self.source = source
         self._events = events
         self._limits = limits
-        self._steps = {name: Steps(limits) for name in ("bit_depth", "hole_depth") if name in source.rig}
+        self.refuses_bit = False  # whether the latest bit depth was not used
+        self._steps = {name: Steps(limits) for name in ("hole_depth", "bit_depth") if name in source.rig}
         self._parser = self._new_parser()
         self._connection = -1
         self.counts = dict.fromkeys(self._parser.counts, 0)
@@ -449,7 +450,10 @@ class SourceReader:
             depths = rig[name].tolist()
             rules = {row: self._depth_rule(depths[row]) for row in wrong.tolist() if row not in levels}
             self._report_depths(reading, "range", {row: f"{name} {depths[row]:g} m: {rules[row]}" for row in rules})
-            self._report_depths(reading, "depth_jump", {row: f"{name} {text}" for row, text in levels.items()})
+            said = name.replace("_", " ")
+            self._report_depths(reading, "depth_jump", {row: f"{said} {text}" for row, text in levels.items()})
+            if name == "bit_depth" and (known := np.flatnonzero(np.isfinite(rig[name]))).size:
+                self.refuses_bit = bool(known[-1] in wrong)
             rig[name][wrong] = np.nan
         return rig
 

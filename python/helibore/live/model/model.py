@@ -208,6 +208,11 @@ class Model:
         """Number of samples and image rows whose depth is not known yet."""
         return len(self._pending)
 
+    @property
+    def was_stuck(self) -> bool:
+        """Whether a caliper has sent one radius again and again."""
+        return any(rule == "stays" for _, rule in self.events.counts)
+
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
         """Read records in order and return what changed; any grouping of the same records gives the same walls."""
         update = Update()

@@ -138,21 +138,25 @@ class Quiet:
 
 @dataclass
 class WatchedChannel:
-    """The values of one channel: how many in a row were equal, and how many of all repeated the one before."""
+    """The values of one channel: how many in a row were equal, and how many of all repeated the one before.
+
+    ``since`` is the depth of the first of the equal values, metres; NaN if it is not known.
+    """
 
     value: float = math.nan
     equal: int = 0
     count: int = 0
     repeats: int = 0
     lasts: bool = False
+    since: float = math.nan
 
-    def take(self, values: Floats) -> int:
+    def take(self, values: Floats, depths: Floats) -> int:
         """Take values in order; return the number of equal ones once it is too large, 0 before and after that."""
         found = 0
-        for value in values.tolist():
+        for value, depth in zip(values.tolist(), depths.tolist(), strict=True):
             self.count += 1
             if value != self.value:
-                self.value, self.equal, self.lasts = value, 1, False
+                self.value, self.equal, self.lasts, self.since = value, 1, False, depth
                 continue
             self.equal += 1
             self.repeats += 1
@@ -321,7 +325,7 @@ class Watch:
         self._lower.append(hole)
         if len(self._lower) == HOLE_FRAMES:
             text = (
-                f"the hole depth fell from {self._hole:.2f} m to {hole:.2f} m: another hole (a sidetrack), or a "
+                f"hole depth fell from {self._hole:.1f} m to {hole:.1f} m: another hole (a sidetrack), or a "
                 "corrected depth; for another hole, set hole.name and hole.kickoff; for a corrected depth, hole.shift"
             )
             self._report(frame.wall, "hole_falls", frame.source, text)
@@ -363,8 +367,9 @@ class Watch:
         allowed = min(FASTEST * step, step * step / 4 + speeds * step / 2 + SLACK)
         if length > max(allowed, SLACK) and length <= self._jump:
             text = (
-                f"the bit depth stepped by {d2 - d1:+.2f} m to {d2:.2f} m in {step:.3g} s, faster than a string moves: "
-                "a corrected or wrong depth; samples from here on lie at the new depth, unless hole.shift sets it right"
+                f"bit depth jumped by {d2 - d1:+.1f} m: it came to {d2:.2f} m in {step:.3g} s, faster than a string "
+                "moves: a corrected or wrong depth; samples from here on lie at the new depth, unless hole.shift sets "
+                "it right"
             )
             self._report(wall, "depth_step", source, text)
 
@@ -381,13 +386,17 @@ class Watch:
         if rpm > TURNING:
             self._take_toolface(frame, watch, rpm)
 
+    def _depths(self, frame: Frame, settings: WatchedCaliper) -> Floats:
+        """Return the depth of each sample of a frame; if it was not sent, by the latest bit depth."""
+        assert frame.depth is not None
+        if not self._bit:
+            return frame.depth
+        return np.where(np.isnan(frame.depth), self._bit[-1][1] - settings.offset, frame.depth)
+
     def _take_first(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
         """Compare the first radii of hole that was drilled since the start with the bit."""
         assert frame.radius is not None
-        assert frame.depth is not None
-        depth = frame.depth
-        if self._bit:
-            depth = np.where(np.isnan(depth), self._bit[-1][1] - settings.offset, depth)
+        depth = self._depths(frame, settings)
         new = frame.radius[~(depth < self._first_hole)] if self._first_hole == self._first_hole else frame.radius
         watch.radii += new[: FIRST_RADII - len(watch.radii)].tolist()
         if len(watch.radii) < FIRST_RADII:
@@ -406,15 +415,17 @@ class Watch:
     def _take_channels(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
         assert frame.radius is not None
         assert frame.sensor is not None
-        many = settings.sensors >= 2
+        many, depth = settings.sensors >= 2, self._depths(frame, settings)
         for sensor in distinct(frame.sensor).tolist() if many else [0]:
             channel = watch.channels.setdefault(sensor, WatchedChannel())
-            equal = channel.take(frame.radius[frame.sensor == sensor] if many else frame.radius)
+            of = (frame.sensor == sensor) | (not many)
+            equal = channel.take(frame.radius[of], depth[of])
             key = "stays", frame.source
             if equal:
-                name = f"radius {sensor + 1}" if many else "the radius"
-                text = f"{name} stays at {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that is stuck, "
-                text += "or a channel with few digits (caliper.radius)"
+                name = f"radius {sensor + 1}" if many else "caliper"
+                since = f" since {channel.since:.0f} m" if channel.since == channel.since else ""
+                text = f"{name} constant{since}: {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that "
+                text += "is stuck, or a channel with few digits (caliper.radius)"
                 self._begin(frame, *key, text)
             elif key in self.active and not any(each.lasts for each in watch.channels.values()):
                 del self.active[key]

@@ -14,9 +14,13 @@ const READ = 10; // seconds for which rig mode shows the full texts, which cover
 const FIRST = [/^no data/, /^tight ahead/, /^tight/]; // of the alarms of the feed
 /** @param {string} alarm */
 const rank = (alarm) => (FIRST.findIndex((one) => one.test(alarm)) + 4) % 4; // that of another alarm: 3
-// Rule and source of an alarm of the feed in words, without the cause that follows them.
+const PLAIN = /^(no|lost|tight|washout)\b/; // rules whose names say what is wrong
+// What is wrong by an alarm of the feed, in words: its rule and source or, of most rules, the first words of its text.
 /** @param {string} alarm */
-export const shortOf = (alarm) => alarm.split(': ')[0].replace(/^no depth/, 'no bit depth').replace(/^(no (data|bit depth|samples)) (?=.)/, '$1 from ').replace(/^lost (.+)/, '$1 not connected');
+export const shortOf = (alarm) => {
+  const [rule, text = rule] = alarm.split(/: |, since \d/);
+  return PLAIN.test(rule) ? rule.replace(/^no depth/, 'no bit depth').replace(/^(no (data|bit depth|samples)) (?=.)/, '$1 from ').replace(/^lost ?(.*)/, '$1 not connected').trim() : text;
+};
 // Return at most `LINES` texts; the last text says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));

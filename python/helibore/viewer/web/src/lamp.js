@@ -9,9 +9,12 @@ import { zoneAt, zoneText } from './zones.js';
 const SLACK = 3; // seconds by which what a source sends may be later than usual
 const DRY = 10; // seconds without a radius, at least
 const DRILLED = 0.1; // metres of hole drilled meanwhile
+const CORRECTED = 1; // metres by which the depth of the hole changes at once if it is another depth of the same hole
 const LATE = 60; // seconds without a sample
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
+const DOUBTS = /^(depth s|hole falls|another hole)|depth refused/; // the alarms after which bit and wall may not lie at one depth
+const STUCK = /^stays/; // that of a tool that sends one radius again and again
 export const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
 /** @type {Record<string, string>} */
 export const SIGNS = { live: '✓', late: '!', lost: '✕' };
@@ -32,9 +35,14 @@ export class Pace {
   usual = NaN;
   /** @type {number | null} */
   hole = null; // depth of the hole at the last arrival
+  /** @type {number | null} */
+  now = null; // the same at the last call
 
   /** @param {number | null} received @param {number | null} [hole] */
   note(received, hole = null) {
+    const by = (hole ?? NaN) - (this.now ?? NaN);
+    if (Math.abs(by) > CORRECTED) this.hole = (this.hole ?? NaN) + by; // nothing was drilled
+    this.now = hole;
     if (received === this.last) return;
     this.hole = hole;
     const gap = Math.abs((received ?? NaN) - (this.last ?? NaN));
@@ -62,10 +70,18 @@ export const isSilent = (of) => silenceOf(of) > LATE;
 /** @param {Pick<App, 'status'>} of */
 export const isServed = ({ status }) => /^(live|waiting)$/.test(status);
 
+// Return the alarm after which bit and wall may not lie at one depth, in few words; '' if there is none. That depths were refused counts
+// until one is used again.
+/** @param {App} app */
+export function doubtOf(app) {
+  const found = app.alarms.feed.find((one) => DOUBTS.test(one));
+  return found && !(/refused/.test(found) && silenceOf(app) < SLACK) ? shortOf(found) : '';
+}
+
 // Whether numbers that the rig sends may be old: the server is away, or the rig is silent, by the page's limit, for three times the
 // usual time or, if it is late, by the limit of its configuration. A tool is silent while the string is tripped, which makes no number of the rig old.
 /** @param {App} app */
-export const isStale = (app) => !isServed(app) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
+export const isStale = (app) => Boolean(doubtOf(app)) || !isServed(app) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
@@ -75,7 +91,7 @@ export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
 function troubleOf({ alarms, lost }) {
   if (lost.length) return `${lost.join(', ')} not connected`;
-  const feed = alarms.feed.filter((one) => NOT_COMING.test(one));
+  const feed = alarms.feed.filter((one) => NOT_COMING.test(one) || DOUBTS.test(one) || STUCK.test(one));
   return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
 }
 

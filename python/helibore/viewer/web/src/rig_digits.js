@@ -3,9 +3,9 @@
 
 import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
-import { ageOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
+import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { doubtsAhead, HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -17,7 +17,10 @@ const sideOf = ({ start, stop }, bit) => ((start + stop) / 2 < (bit ?? NaN) ? SI
 /** @type {Record<Way, string>} */
 const SIDES = { up: 'above', down: 'below' };
 const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothing
-const NO_BIT = 'no new bit depth'; // then nothing is said that counts from the bit
+// Why nothing is said that counts from the bit.
+/** @param {App} app */
+const noBit = (app) => doubtOf(app) || 'no new bit depth';
+const MAY = 'may stick';
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -110,9 +113,11 @@ function writeWorst(app) {
     const end = Math.min(store.span[1], bottom);
     byId('rigWhereCell').className = '';
     const [unseen] = unseenAhead(app);
-    const last = stale ? ['not known', NO_BIT] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
+    const [doubt] = stale ? [] : doubtsAhead(app);
+    const last = doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
+    if (doubt && digits === 'not sure') return cell('rigWhere', `Next going ${doubt.way}: may stick in`, ...distance(doubt.left, units, true), doubt.first);
     if (digits !== 'not known' || !unseen || stale) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', nextHead(unseen), ...distance(unseen.left, units), unseen.first);
   }
@@ -128,7 +133,7 @@ function writeWorst(app) {
   const { sure, within, zone } = worst;
   const sureness = Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`;
   cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
-  if (stale) return cell('rigWhere', 'Next: not known', '–', '', NO_BIT);
+  if (stale) return cell('rigWhere', 'Next: not known', '–', '', noBit(app));
   const { hanging = [] } = string ?? {};
   if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);
   const { first } = next;
@@ -215,13 +220,16 @@ const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && 
 function wayOf(app, i, side) {
   const { view: { units }, string, ahead, bit, zones } = app;
   const { bodies } = /** @type {RigidString} */ (string);
-  const [at, missed] = [ahead?.bodies[i]?.[side], ahead?.unseen?.[i]?.[side]];
+  const [at, missed, doubt] = [ahead?.bodies[i]?.[side], ahead?.unseen?.[i]?.[side], ahead?.doubtful?.[i]?.[side]];
   /** @param {Pair} ends */
   const left = (ends) => leftTo(bit, bodies[i], WAYS[side], ends);
-  const sticks = typeof at === 'number' ? ((bit ?? NaN) - at) * (side ? -1 : 1) : Infinity;
+  /** @param {number} depth */
+  const way = (depth) => ((bit ?? NaN) - depth) * (side ? -1 : 1);
+  const sticks = typeof at === 'number' ? way(at) : Infinity;
   const seat = Math.min(...zones.filter(({ kind }) => kind === 'key seat').map(({ start, stop }) => left([start, stop])).filter((far) => far < RECENT));
   const far = Math.min(sticks, seat);
   const isHidden = missed && !(left(missed) > far);
+  if (far === Infinity && doubt && !(missed && left(missed) < way(doubt[0]))) return [...distance(way(doubt[0]), units, true), MAY];
   if (far === Infinity) return missed ? ['–', '', `not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`] : ['none', '', ''];
   const [digits, unit] = distance(far, units, sticks <= seat && isUnsure(app, i));
   return [`${isHidden && unit ? '≤' : ''}${digits}`, unit, seat < sticks ? 'key seat' : ''];
@@ -255,7 +263,7 @@ function rowOf(app, i) {
 // hang: what it clears now, and how far it moves up or down until it sticks. If none of them is there, the widest that is has a row. Below them: those of which the hole is not measured.
 /** @param {App} app */
 function writeBodies(app) {
-  const { store, string, ahead } = app;
+  const { view: { units }, store, string, ahead, bit } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   const stale = isStale(app);
   const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
@@ -266,10 +274,13 @@ function writeBodies(app) {
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
+  const blind = [...new Set([...unmeasured, ...stabilisers(bodies, store).filter((i) => !isMeasured(i))])].sort((a, b) => bodies[b][2] - bodies[a][2]);
+  /** @param {number} i */
+  const beside = (i) => `${depthNumber((bit ?? NaN) - bodies[i][2] - bodies[i][1] / 2, units, 0)} ${depthUnit(units)} (${hanging[i]?.name ?? 'string'})`;
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
   const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
   const rows = stale ? [] : shown.map((i) => ({ ...rowOf(app, i), tag: i === near ? 'at bit' : '' }));
-  const lacks = stale ? `Clearances not known: ${NO_BIT}` : unmeasured.length ? `Hole not measured at ${unmeasured.map((i) => hanging[i]?.name ?? 'string').join(', ')}` : '';
+  const lacks = stale ? `Clearances not known: ${noBit(app)}` : blind.length ? `Hole not measured at ${blind.map(beside).join(', ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
@@ -282,7 +293,7 @@ function writeBodies(app) {
     const first = make('p', name, `${state} name`);
     if (tag) first.append(make('small', tag, 'note'));
     return [first, ...values.map(([digits, unit, note]) => {
-      const value = make('p', digits, `${state} size${'none –'.includes(digits) && !note ? ' soft' : ''}`);
+      const value = make('p', digits, `${state} size${('none –'.includes(digits) && !note) || note === MAY ? ' soft' : ''}`);
       if (unit) value.append(make('small', ` ${unit}`));
       if (note) value.append(make('small', note, 'note'));
       return value;

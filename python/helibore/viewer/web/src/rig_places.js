@@ -92,6 +92,19 @@ export function unseenAhead(app) {
   return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
+// Return the places in which a body is likely too thick, and not surely, from what is met first.
+/** @param {App} app @returns {FirstPlace[]} */
+export function doubtsAhead(app) {
+  const { ahead, bit, string } = app;
+  const found = waysOf(app).flatMap((way) => (ahead?.doubtful ?? []).flatMap((of, i) => {
+    const place = of[way === 'up' ? 0 : 1];
+    if (!place) return [];
+    const [at, start, stop] = place;
+    return [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, left: Math.max(0, ((bit ?? NaN) - at) * (way === 'up' ? 1 : -1)), first: string?.hanging?.[i]?.name ?? 'string', way }];
+  }));
+  return found.sort((a, b) => a.left - b.left);
+}
+
 // Return how far the bit moves until a body meets a stretch of hole, metres; NaN if it is past it.
 /** @param {number | null} bit @param {RigidBody} body @param {Way} way @param {Pair} ends */
 export function leftTo(bit, [, length, position], way, [start, stop]) {

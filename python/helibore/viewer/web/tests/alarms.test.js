@@ -14,7 +14,18 @@ test('a zone is new if none of its kind lay there before; one that grows is not'
 });
 
 test('rig mode says an alarm in short words, in two lines at most', () => {
-  assert.equal(shortOf('depth jump mwd: 5 m at 12:00:01: new level, since 12:00:02 UTC'), 'depth jump mwd');
+  const since = ', since 12:00:02 UTC, 14:00:02 here';
+  const words = {
+    [`depth jump mwd: bit depth refused, 8382 m: the last used was 2555 m${since}`]: 'bit depth refused, 8382 m',
+    [`stays mwd: caliper constant since 2533 m: 107.9 mm, 50 times in a row${since}`]: 'caliper constant since 2533 m',
+    [`failure: thread draw died${since}`]: 'thread draw died',
+    [`no depth: it sends${since}`]: 'no bit depth',
+    [`no data rig: nothing for 20 s${since}`]: 'no data from rig',
+    [`lost: connecting${since}`]: 'not connected',
+    [`lost rig: connecting${since}`]: 'rig not connected',
+    [`tight ahead: tight hole above the bit${since}`]: 'tight ahead',
+  };
+  assert.deepEqual(Object.keys(words).map(shortOf), Object.values(words));
   assert.deepEqual(few(['a', 'b']), ['a', 'b']);
   assert.deepEqual(few(['a', 'b', 'c', 'd']), ['a', 'b, +2 more']);
 });

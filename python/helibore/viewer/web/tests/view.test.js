@@ -96,9 +96,12 @@ test('an alarm that lasts, silenced or not, and a source that is not connected t
     store: { end: 1050, levels: [{ size: 12345, pitch: 0.1 }] }, ...more,
   });
   const refused = 'refused mwd: no sample was usable for 120 s: 40 no value';
-  assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'refused mwd · 1 s old · 8.0 m behind bit · 1 silenced', 'refused mwd']);
-  assert.equal(words({ alarms: { feed: [refused, 'no data rig: nothing'], silenced: [] } })[2], 'refused mwd +1 more');
-  assert.equal(words({ alarms: { feed: ['depth step rig: 5 m', 'high rig: WOB'], silenced: [] } })[0], 'live', 'data come');
+  assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'no sample was usable for 120 s · 1 s old · 8.0 m behind bit · 1 silenced', 'no sample was usable for 120 s']);
+  assert.equal(words({ alarms: { feed: [refused, 'no data rig: nothing'], silenced: [] } })[2], 'no sample was usable for 120 s +1 more');
+  assert.equal(words({ alarms: { feed: ['depth jump rig: bit depth jumped from 2000 to 2300 m', 'high rig: WOB'], silenced: [] } })[0], 'live', 'data come');
+  for (const one of ['depth step: bit depth jumped by -9.5 m', 'stays: caliper constant since 2533 m']) {
+    assert.deepEqual(words({ alarms: { feed: [`${one}: 0.5 s`], silenced: [] } })[2], one.split(': ')[1], 'what comes cannot be trusted');
+  }
   assert.deepEqual(words({ lost: ['rig'] }), ['lost', 'rig not connected · 1 s old · 8.0 m behind bit', 'rig not connected']);
   assert.equal(words({ lost: ['rig'], ended: true })[0], '', 'a run that has ended needs no source');
 });

@@ -1,0 +1,132 @@
+"""The wall as the last pass saw it: of hole that was scanned again and has changed, without the samples of before.
+
+    samples -> row of 0.25 m -> its latest scan, and what was there before -> median of the changes by direction
+                                                   |-> 1 mm and 3 standard errors: what was there before is left out
+    radii in order of time -> one value 50 times in a row: the tool was stuck, and has measured nothing
+
+A wall takes all samples. Where a hole was reamed between two passes, its radii lie between the sizes that both saw, and
+a stuck tool makes hole of one size. So whoever says what passes now reads this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
+from helibore.samples.helix import whole_helix
+from helibore.wall.state import WallState
+from helibore.wall.wall import Wall
+
+ROW, SECTORS = 0.25, 16
+"""Metres of a row, and its directions."""
+PAUSE = 15.0
+"""Seconds without a sample in a row after which another scan of it begins."""
+LEAST_SECTORS = 4
+"""Directions that the latest scan and those before must have in common."""
+CHANGED, ERRORS = 0.001, 3.0
+"""Metres and standard errors by which the wall must have moved."""
+STUCK, STUCK_ROUNDED, ROUNDED = 50, 600, 0.2
+"""Equal radii in a row; the same if more than ROUNDED of all others repeat the one before, as rounded values do."""
+BESIDE, AROUND = 1.0, 4.0
+"""Metres from a sample that is left out within which the wall is drawn again, and within which samples count for it."""
+
+
+def latest_pass(wall: WallState, was_stuck: bool = False) -> WallState:
+    """Return a wall whose samples have times without those of before the latest scan; of a stuck tool, if it ever was.
+
+    Hole that is made up may have one radius, so only who watched the tool says that it ``was_stuck``.
+    """
+    if len(wall.sample_columns) < 4 or not wall.sample_columns[0].size:
+        return wall
+    left_out = superseded(*wall.sample_columns)
+    if was_stuck:
+        left_out |= stuck(*wall.sample_columns)
+    if not left_out.any():
+        return wall
+    kept = tuple(column[~left_out] for column in wall.sample_columns)
+    columns: list[Any] = [wall.radius, wall.nearest, wall.support, wall.iterations, *wall.sums]
+    drawn = [column.copy() for column in columns]
+    K, helix = wall.settings.sectors, whole_helix(wall)
+    turns = np.floor((wall.sample_columns[0][left_out] - helix.start_depth) / helix.pitch).astype(np.int64)
+    beside, most = round(BESIDE / abs(helix.pitch)), wall.radius.size // K
+    marks = np.zeros(max(most, 1), bool)
+    marks[np.clip(turns, 0, most - 1)] = True
+    for first, stop in joined(runs_of(marks), 2 * beside):
+        first, stop = max(0, first - beside), min(most, stop + beside)
+        part = _drawn_again(wall, kept, first, stop)
+        for column, values in zip(drawn, part, strict=True):
+            column[K * first : K * stop] = values
+    radius, nearest, support, iterations, *sums = drawn
+    return replace(
+        wall, sample_columns=kept, radius=radius, nearest=nearest, support=support, iterations=iterations,
+        sums=tuple(sums),
+    )  # fmt: skip
+
+
+def _drawn_again(wall: WallState, columns: tuple[Floats, ...], first: int, stop: int) -> list[Any]:
+    """Return radius, nearest, support, iterations and sums of some turns, drawn from these samples alone."""
+    K, helix, depth = wall.settings.sectors, whole_helix(wall), columns[0]
+    start = helix.start_depth + helix.pitch * first
+    ends = sorted((start, start + helix.pitch * (stop - first)))
+    near = (depth > ends[0] - AROUND) & (depth < ends[1] + AROUND)
+    size = K * (stop - first)
+    if not near.any():
+        missing, none = np.full(size, np.nan), np.zeros(size, np.int32)
+        return [missing, missing, none, none, *(missing for _ in wall.sums)]
+    place = {"start_depth": start, "stop_depth": None, "first_vertex": 0, "stop_vertex": size, "direct": False}
+    again = Wall(**(vars(wall.settings) | place))
+    again.append(*(column[near] for column in columns))
+    state = again._state()
+    return [state.radius, state.nearest, state.support, state.iterations, *state.sums]
+
+
+def superseded(depth: Floats, toolface: Floats, radius: Floats, time: Floats) -> Mask:
+    """Return which samples a later scan of their row contradicts."""
+    row = np.floor(depth / ROW).astype(np.int64)
+    order = np.lexsort((time, row))
+    rows, times = row[order], time[order]
+    begins = np.flatnonzero((np.diff(rows, prepend=rows[0] - 1) != 0) | (np.diff(times, prepend=times[0]) > PAUSE))
+    stops = np.append(begins[1:], len(rows))
+    of = rows[begins]
+    last = np.flatnonzero(np.diff(of, append=of[-1] + 1) != 0)  # the latest scan of each row
+    first = np.append(0, last[:-1] + 1)
+    found = np.zeros(len(depth), bool)
+    sector = np.floor(toolface % 360 / (360 / SECTORS)).astype(np.int64) % SECTORS
+    for a, b in zip(first[first < last].tolist(), last[first < last].tolist(), strict=True):
+        old, new = order[begins[a] : begins[b]], order[begins[b] : stops[b]]
+        if _differ(sector[old], radius[old], sector[new], radius[new]):
+            found[old] = True
+    return found
+
+
+def _differ(old: Integers, before: Floats, new: Integers, now: Floats) -> bool:
+    """Return whether the radii of two scans differ by more than their errors, in the median of the directions."""
+    counts = [np.bincount(at, minlength=SECTORS) for at in (old, new)]
+    both = np.minimum(*counts) > 0
+    if np.count_nonzero(both) < LEAST_SECTORS:
+        return False
+    was, now = (
+        np.bincount(at, of, SECTORS)[both] / n[both]
+        for at, of, n in zip((old, new), (before, now), counts, strict=True)
+    )
+    moved = now - was
+    error = 1.25 * float(np.std(moved)) / np.sqrt(moved.size)
+    return bool(abs(np.median(moved)) > max(CHANGED, ERRORS * error))
+
+
+def stuck(depth: Floats, _: Floats, radius: Floats, time: Floats) -> Mask:
+    """Return which samples belong to so many equal radii in a row that the tool was stuck."""
+    order = np.lexsort((depth, time))
+    equal = np.diff(radius[order]) == 0
+    found = np.zeros(len(depth), bool)
+    runs = [(first, stop) for first, stop in runs_of(equal) if stop - first + 1 >= STUCK]
+    long = sum(stop - first for first, stop in runs)
+    others = len(equal) - long
+    rounded = others <= 0 or (np.count_nonzero(equal) - long) / others > ROUNDED
+    for first, stop in runs:
+        if stop - first + 1 >= (STUCK_ROUNDED if rounded else STUCK):
+            found[order[first : stop + 1]] = True
+    return found

@@ -1,0 +1,63 @@
+"""The wall by the last scan of each place: reamed hole, and hole in which the tool was stuck."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.wall.latest_pass import latest_pass, superseded
+
+BIT = 0.216
+REAMED = (1010.0, 1011.5)
+
+
+def scan(top, bottom, begins, diameter, seed):
+    """Return the samples of a turning tool in a hole of 217 mm that is narrower in REAMED."""
+    draw = np.random.default_rng(seed)
+    depth = np.arange(top, bottom, 1 / 240)
+    place = (depth > REAMED[0]) & (depth < REAMED[1])
+    radius = np.where(place, diameter, 0.217) / 2 + draw.normal(0, 0.0005, depth.size)
+    return depth, np.arange(depth.size) * 360 / 16.3 % 360, radius, begins + (depth - top) / 10
+
+
+def drawn(*scans):
+    wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0, max_distance=0.5, sigma=True)
+    for columns in scans:
+        wall.append(*columns)
+    return wall
+
+
+def test_reamed_hole_has_the_size_of_the_last_scan_and_other_hole_its_bits():
+    wall = drawn(
+        *(scan(*ends, 100.0 * i, 0.206 + 0.004 * i, i) for i, ends in enumerate([(1000, 1020), *[(1009, 1012)] * 2]))
+    )
+    before, last = wall._state(), latest_pass(wall._state())
+    place = (wall.depth > REAMED[0] + 0.2) & (wall.depth < REAMED[1] - 0.2)
+    assert 2 * np.median(before.radius[place]) < 0.212, "the wall takes all samples"
+    assert 2 * np.median(last.radius[place]) == pytest.approx(0.214, abs=0.0002)
+    assert 2 * np.std(last.radius[place]) < 0.0006, "nothing of the size before is left"
+    assert np.median(last.sigma[place]) < 0.5 * np.median(before.sigma[place])
+    away = (wall.depth < REAMED[0] - 1.5) | (wall.depth > REAMED[1] + 1.5)
+    assert np.array_equal(last.radius[away], before.radius[away])
+    again = drawn(scan(1000, 1020, 0.0, 0.206, 1), scan(1009, 1012, 100.0, 0.206, 2))._state()
+    assert latest_pass(again) is again, "two scans that agree are one"
+
+
+def test_a_few_samples_of_one_side_supersede_nothing():
+    first, later = scan(1000, 1020, 0.0, 0.206, 1), scan(1009, 1012, 100.0, 0.214, 2)
+    side = later[1] < 40
+    columns = [np.concatenate(both) for both in zip(first, (column[side] for column in later), strict=True)]
+    assert not superseded(*columns).any()
+
+
+@pytest.mark.parametrize(("digits", "found"), [(7, True), (3, False)], ids=["stuck", "rounded"])
+def test_hole_in_which_the_tool_sent_one_radius_is_not_measured(digits, found):
+    depth, toolface, radius, time = scan(1000, 1020, 0.0, 0.217, 3)
+    stuck = (depth > 1012) & (depth < 1014)
+    wall = drawn((depth, toolface, np.round(np.where(stuck, 0.1085, radius), digits), time))
+    last = latest_pass(wall._state(), was_stuck=True)
+    inside = (wall.depth > 1012.3) & (wall.depth < 1013.7)
+    assert last.sampled[inside].any() == (not found)
+    assert latest_pass(wall._state()).sampled[inside].all(), "only who watches the tool knows that it was stuck"
+    assert last.sampled[~((wall.depth > 1011.5) & (wall.depth < 1014.5))].mean() > 0.9
