@@ -546,7 +546,8 @@ def test_none_is_said_of_no_place_in_which_a_body_may_stick_and_each_stabiliser_
     of = {"clearance": 0.002, "low": 0.001, "high": 0.003, "depth": 1010.0, "at_most": False, "short": 0.0}
     string = {"bodies": [[size, 1.0, at] for size, at in sizes.values()], "why": "", "bit": 1028.0}
     string["hanging"] = [{"name": name} if at > 28 else of | {"name": name} for name, (_, at) in sizes.items()]
-    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 4, "moving": "up", "touching": (0.213,) * 4}
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 4, "moving": "up"}
+    ahead["touching"] = (0.213, 0.2, 0.21, 0.213)
     ahead |= {"unseen": ((None, None),) * 4, "doubtful": (*((None, None),) * 3, ((1025.0, 1023.0, 1024.0), None))}
     state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
     with hb.view(MadeWall(20_000)) as viewer:
@@ -580,7 +581,7 @@ def test_nothing_counts_from_a_depth_that_was_refused_or_corrected(browser: Any)
     with hb.view(MadeWall(20_000)) as viewer:
         scene = viewer.scene
         state = {"bit_depth": 1020.0, "hole_depth": 1026.0, "string": string, "ahead": ahead}
-        scene.update_state(**state, newest=time.time(), received=time.time(), alarms=(refused,))
+        scene.update_state(**state, newest=time.time() - 30, received=time.time(), alarms=(refused,))
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.querySelector('#rigBodies .name')")
         assert screen.evaluate(f"[document.body.classList.contains('stale'), {lamp}]") == [False, "late"], "one is used"
@@ -593,7 +594,7 @@ def test_nothing_counts_from_a_depth_that_was_refused_or_corrected(browser: Any)
         screen.until("document.getElementById('rigWhereMore').textContent.includes('jumped')")
         short = "bit depth jumped by -9.5 m"
         assert screen.evaluate(said) == [short, short, f"Clearances not known: {short}", "Bit depth", short]
-        scene.update_state(hole_depth=1020.0, newest=time.time() - 30, received=time.time(), alarms=())
+        scene.update_state(hole_depth=1020.0, received=time.time(), alarms=())
         screen.until(f"{lamp} === 'live' && !document.body.classList.contains('stale')")
         scene.update_state(hole_depth=1029.5, bit_depth=1029.5, received=time.time())  # a step of both, no hole
         screen.until("window.__wall.app.holeDepth === 1029.5")
