@@ -57,6 +57,15 @@ def test_no_text_is_cut_or_covered_and_no_control_out_of_reach(
     screen.until("document.getElementById('ink').labels.some(({ text }) => /^(Draupne|Heather) Fm/.test(text))")
     screen.settle()
     assert screen.touching("ink") == []
+    labels = screen.evaluate("ink.labels")
+    for plan in (one for one in labels if one["text"] == "plan, N up"):
+        left, right, top, bottom = plan["left"] - 1, plan["left"] + 92, plan["top"], plan["bottom"] + 92
+        hidden = [
+            one["text"]
+            for one in labels
+            if one["left"] < right and left < one["right"] and one["top"] < bottom and top < one["bottom"]
+        ]
+        assert [text for text in hidden if "Fm" in text or "/" in text] == [], "below the plan"
     assert outside(screen, "ink") == []
     assert screen.evaluate(OUT_OF_REACH) == []
     assert screen.cut_selects() == []

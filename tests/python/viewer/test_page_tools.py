@@ -1324,7 +1324,7 @@ def test_a_string_hangs_in_the_hole_and_is_dragged(browser: Any) -> None:
 
         def clearance(at: float) -> str:
             values = [np.interp(at, own.depth + 1.5, column) * 1000 for column in (own.clearance, own.low, own.high)]
-            return f"{values[0]:+.1f} mm ({values[1]:+.1f} to {values[2]:+.1f} mm, 95 %)".replace("-", "−")
+            return f"{values[0]:+.1f} mm ({values[1]:+.1f} to {values[2]:+.1f} mm, 95\u00a0%)".replace("-", "−")
 
         assert screen.readout()["String to 2010.0 m"] == clearance(2010.0)
         labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]

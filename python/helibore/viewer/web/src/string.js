@@ -34,7 +34,7 @@ export function clearanceText({ why, clearance, low, high }, units) {
   const digits = units === 'mm' ? 1 : 2;
   if (why) return why;
   if (Number.isNaN(clearance)) return 'not measured';
-  const sure = Number.isNaN(low) ? 'uncertainty not known' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95 %`;
+  const sure = Number.isNaN(low) ? 'uncertainty not known' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95\u00a0%`;
   const passes = clearance < 0 ? `${doesNotPass({ clearance, high }) ? 'does' : 'may'} not pass: ` : '';
   return `${passes}${showSigned(clearance, units, digits)} (${sure})`;
 }

@@ -4,7 +4,7 @@ import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { anglesInWords, wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, within } from './layout.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, touch, within } from './layout.js';
 import { niceStep } from './lod.js';
 import { CUTS, leftEdge } from './path.js';
 import { edges, line } from './strokes.js';
@@ -230,8 +230,8 @@ function plan(ink, { view, path, store, rects }, gpu, palette) {
   const hidden = along.some((_, i) => {
     const [x, y] = gpu.project(path.at(view.top + (view.length * i) / 60), rects.wall) ?? [near + 999, 0];
     return x < near + PLAN + 30 && y < top + PLAN + 30;
-  });
-  const left = hidden ? rects.wall.left + rects.wall.width - PLAN - 10 : near; // at the side where it hides no hole
+  }) || ink.canvas.labels.some((one) => touch(one, { text: '', left: near, right: near + PLAN, top: top - 16, bottom: top + PLAN + 24 }));
+  const left = hidden ? rects.wall.left + rects.wall.width - PLAN - 10 : near; // at the side where it hides no hole and no name
   /** @param {number[]} centre @returns {Pair} */
   const spot = ([north, east]) => [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
   /** @param {number} depth */

@@ -13,8 +13,8 @@ test('a body does not pass if its clearance is surely below 0, or has no known u
 });
 
 test('the words say no more than the interval', () => {
-  assert.equal(clearanceText({ ...SURE, why: '' }, 'mm'), 'does not pass: −4.0 mm (−7.0 to −1.0 mm, 95 %)');
-  assert.equal(clearanceText({ ...UNSURE, why: '' }, 'mm'), 'may not pass: −2.0 mm (−11.0 to +7.0 mm, 95 %)');
+  assert.equal(clearanceText({ ...SURE, why: '' }, 'mm'), 'does not pass: −4.0 mm (−7.0 to −1.0 mm, 95\u00a0%)');
+  assert.equal(clearanceText({ ...UNSURE, why: '' }, 'mm'), 'may not pass: −2.0 mm (−11.0 to +7.0 mm, 95\u00a0%)');
   assert.equal(clearanceText({ ...UNKNOWN, why: '' }, 'mm'), 'does not pass: −2.0 mm (uncertainty not known)');
   assert.deepEqual([SURE, UNSURE, { clearance: 0.002, low: -0.001, high: 0.005 }].map((of) => shortText(of, 'mm').split(',')[0]), ['sticks −4 mm', 'may stick −2 mm', 'clears +2 mm']);
 });
