@@ -6,6 +6,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
 import { axisOf, fitPlane, northOf, planeDepth, planeOf } from './dips.js';
+import { late } from './late.js';
 import { byId, hide, options, say } from './dom.js';
 import { download } from './saving.js';
 import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
@@ -578,6 +579,9 @@ export class Picking {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
       const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : this.slack(plane);
+      const slot = plane.kind === 'bed' ? null : late(this.app)?.openingOf(this.app.store, plane);
+      const size = (/** @type {number} */ metres) => showLength(metres, units, units === 'mm' ? 0 : 2);
+      if (slot) lines.unshift(`open ${size(slot.opening)} across (${size(slot.low)} to ${size(slot.high)} around the hole), ${size(slot.deep)} deep in the wall`);
       lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
     else if (pick && axisOf(this.app.path, pick.depth, pick.toolface)) lines.unshift(`azimuth ${axisOf(this.app.path, pick.depth, pick.toolface)} from ${northOf(this.app.path)}`);

@@ -202,8 +202,8 @@ export class Wells {
     byId('placed').textContent = this.mode === 'scene' ? this.note : ''; // side by side no place is needed
     byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
-    for (const id of /** @type {const} */ (['datum', 'cut'])) byId(id).hidden = this.mode === 'scene';
-    for (const id of /** @type {const} */ (['tube', 'tall'])) byId(id).hidden = this.mode !== 'scene';
+    hide(this.mode === 'scene', 'datum', 'cut');
+    hide(this.mode !== 'scene', 'tube', 'tall');
     byId('theme').textContent = this.view.theme === 'dark' ? 'Light' : 'Dark';
     if (key !== this.listed) {
       this.listed = key;
