@@ -160,6 +160,7 @@ class Ahead:
         self._turned, self._at = math.nan, 0  # where the bit turned round last, and when
         self._up = True  # whether it moves up, but for heave
         self._last, self._since = math.nan, 0  # where the bit moved on last, and when
+        self._newest, self._came = list[int](), 0  # the frame of the newest bit depth, and when it came
         self._due = 0.0
         self._known: object = None  # the wall of which `_bodies` are known, between the depths `_ends`
         self._ends = (math.nan, math.nan)
@@ -192,7 +193,10 @@ class Ahead:
             self._follow(bit[0], now)
         if not abs(bit[0] - self._last) < MOVES_ON:
             self._last, self._since = bit[0], now
-        hangs = now - self._since > RESTS * SECOND or self._heaves(bit[0], now)
+        newest = model.rig.tracks["bit_depth"].order[-1:].tolist()
+        if newest != self._newest or model.rig.at_rest:
+            self._newest, self._came = newest, now
+        hangs = self._came - self._since > RESTS * SECOND or self._heaves(bit[0], now)
         moving = ("up" if self._up else "down") if self._moves and not hangs else ""
         if time.monotonic() >= self._due:
             began = time.thread_time()

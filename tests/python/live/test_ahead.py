@@ -194,6 +194,9 @@ def test_a_bit_that_hangs_may_move_either_way_and_its_alarm_stays():
         trip.to(bit)
     (said,) = trip.said
     assert trip.alarms.ahead.outlook.moving == "up"
+    trip.clock.step(20)
+    trip.alarms.check()
+    assert trip.alarms.ahead.outlook.moving == "up", "no bit depth has come: nobody knows that it hangs"
     for _ in range(3):
         trip.to(128.0)
     assert trip.alarms.ahead.outlook.moving == ""

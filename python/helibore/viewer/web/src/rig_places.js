@@ -1,7 +1,6 @@
 // The places that rig mode names: the worst hole ahead of the string, and what it meets next. Ahead is where the bit moves; if it rests,
 // either way.
 
-import { LIFTED } from './lamp.js';
 import { RECENT, recent } from './rig.js';
 import { turn } from './turns.js';
 import { longest } from './view.js';
@@ -15,6 +14,7 @@ export const WAYS = ['up', 'down'];
 export const UNSEEN = 'unseen hole';
 export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
+const STAND = 10; // metres off bottom up to which the string is in hole that it has just drilled
 export const LATE = 2; // metres of new wall that the server may not have searched yet
 const BY = 0.25; // metres from one turn that is looked at to the next
 const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
@@ -73,7 +73,7 @@ function unseenIn(app) {
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
-// not count and, while hole is drilled, that between sensor and bit and what the wall has just got.
+// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
   const { ahead, string, bit, holeDepth } = app;
@@ -88,7 +88,7 @@ export function unseenAhead(app) {
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const [first, last] = app.store.span;
-  const end = (holeDepth ?? NaN) - (bit ?? NaN) < LIFTED ? last : Infinity;
+  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND ? last : Infinity;
   return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
