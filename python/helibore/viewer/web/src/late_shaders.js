@@ -78,8 +78,7 @@ void main() {
   float relief = abs(dot(normalize(bent), from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
   float far = length(seen) / (14.0 * bitRadius); // the lamp lights some metres
   float deep = wall > 0.0 ? max(0.0, c + radii.z - wall) : 0.0; // so far behind the wall around it
-  float cleft = pow(20.0 * shape * deep / bitRadius, 2.0); // of the light that enters a narrow cleft little leaves it; a breakout is wider than deep
-  if (mode != 5 && (texel(k).w & 0x800u) != 0u) cleft = min(cleft, 2.0); // the stripes of what is interpolated stay seen
+  float cleft = min(pow(20.0 * shape * deep / bitRadius, 2.0), 4.0); // of the light that enters a narrow cleft a fifth leaves it, so that its ground is seen; a breakout is wider than deep
   vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
