@@ -17,6 +17,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
 from helibore.samples.helix import whole_helix
+from helibore.settings.wall_settings import Settings
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
@@ -60,8 +61,10 @@ def latest_pass(wall: WallState, was_stuck: bool = False) -> WallState:
         for column, values in zip(drawn, part, strict=True):
             column[K * first : K * stop] = values
     radius, nearest, support, iterations, *sums = drawn
+    ends = {"start_depth": helix.start_depth, "stop_depth": None, "stop_vertex": helix.first + wall.radius.size}
+    settings = Settings(**(vars(wall.settings) | ends))  # whoever draws it again has as many vertices
     return replace(
-        wall, sample_columns=kept, radius=radius, nearest=nearest, support=support, iterations=iterations,
+        wall, settings=settings, sample_columns=kept, radius=radius, nearest=nearest, support=support, iterations=iterations,
         sums=tuple(sums),
     )  # fmt: skip
 
