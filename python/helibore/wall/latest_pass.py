@@ -64,8 +64,8 @@ def latest_pass(wall: WallState, was_stuck: bool = False) -> WallState:
     ends = {"start_depth": helix.start_depth, "stop_depth": None, "stop_vertex": helix.first + wall.radius.size}
     settings = Settings(**(vars(wall.settings) | ends))  # whoever draws it again has as many vertices
     return replace(
-        wall, settings=settings, sample_columns=kept, radius=radius, nearest=nearest, support=support, iterations=iterations,
-        sums=tuple(sums),
+        wall, settings=settings, sample_columns=kept, radius=radius, nearest=nearest, support=support,
+        iterations=iterations, sums=tuple(sums),
     )  # fmt: skip
 
 
