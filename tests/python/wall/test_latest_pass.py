@@ -46,7 +46,7 @@ def test_reamed_hole_has_the_size_of_the_last_scan_and_other_hole_its_bits():
 
 def test_a_wall_without_its_sums_has_an_uncertainty_of_as_many_vertices():
     wall = hb.Wall(bit_diameter=BIT, max_distance=0.5)
-    for columns in scan(1000, 1002, 0.0, 0.206, 1), scan(1000, 1020, 100.0, 0.206, 2):
+    for columns in scan(1000, 1002, 0.0, 0.206, 1), scan(1000.1, 1020, 100.0, 0.206, 2):
         wall.append(*(columns[0], columns[1], columns[2] + 0.002 * (columns[3] < 50), columns[3]))
     last = latest_pass(wall._state())
     assert last.sample_columns[0].size < wall.sample_count
