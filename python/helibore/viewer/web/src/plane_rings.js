@@ -13,7 +13,6 @@ const SIZE = { least: 1.5, most: 3.2 }; // of a disc: wider than the hole where 
 const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
 const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
-const BEFORE = 0.88; // of the hole's radius
 const STEP = 5; // degrees between two points of an edge
 const NO_DIP = [3, 3]; // dashes of a level ring
 
@@ -166,13 +165,13 @@ function besideHole({ path, rects: { wall } }, gpu, depth, radius) {
   return { at, dx: (at[0] - axis[0]) / away, dy: (at[1] - axis[1]) / away };
 }
 
-// Draw the line of a plane from inside, thin and a little before the wall, so that the cleft that it marks is seen beside it. Return its
+// Draw the line of a plane from inside, on the wall and thin, so that the cleft that it marks is seen under it. Return its
 // points on the picture, one every STEP degrees of toolface.
 /** @param {Ink} ink @param {Look} look @param {Pick<ReturnType<typeof linesOf>[0], 'plane' | 'stroke'>} line @param {Gpu} gpu */
 export function drawLine(ink, { view, path, rects }, { plane, stroke }, gpu) {
-  const radius = BEFORE * plane.radius;
+  const { radius } = plane;
   const points = Array.from({ length: 360 / STEP + 1 }, (_, i) => {
-    const at = { depth: planeDepth(path, { ...plane, radius }, STEP * i), toolface: STEP * i, radius };
+    const at = { depth: planeDepth(path, plane, STEP * i), toolface: STEP * i, radius };
     return at.depth < view.top || at.depth > view.bottom ? null : gpu.project({ centre: wallPoint(path, at) }, rects.wall);
   });
   ink.beginPath();
