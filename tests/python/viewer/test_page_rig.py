@@ -306,15 +306,18 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         slim = [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0], [0.212, 1.0, 5.0], [0.2, 1.0, 6.0], [0.16, 40.0, 7.0]]
         scene.update_state(
             bit_depth=1026.0,
-            string=string | {"bodies": slim, "hanging": [{"name": name} for name in "abcde"]},
+            string=string | {"bodies": slim, "hanging": [{"name": f"body {name}"} for name in "abcde"]},
             ahead=ahead
             | {"unseen": (*((None, None),) * 3, ((1005.0, 1019.5), None), ((980.0, 1000.0), None)), "moving": "up"},
         )
         screen.until("document.getElementById('rigWhereHead').textContent === 'Next going up: unseen hole'")
-        assert screen.inner_text("#rigWhereMore") == "d", (
+        assert screen.inner_text("#rigWhereMore") == "body d", (
             "a stabiliser that is slimmer than three others, and no collar"
         )
-        assert screen.inner_text("#rigBodies") == "Hole not measured at 1020 m (d), 1021 m (c), 1022 m (b), 1026 m (a)"
+        of_bodies = "1020 m (body d), 1021 m (body c), 1022 m (body b), 1026 m (body a)"
+        assert screen.inner_text("#rigBodies") == f"Hole not measured at {of_bodies}"
+        wide = "document.querySelector('#rigBodies .lacks')"
+        assert screen.evaluate(f"{wide}.scrollWidth <= {wide}.clientWidth"), "all are on the screen"
         scene.update_state(
             bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
         )
