@@ -67,7 +67,7 @@ def test_the_uncertainty_reaches_diameters_and_volumes(tmp_path: Path) -> None:
     share = 0.01 * (stated.equivalent_diameter / 2 - TOOL)  # of a radius, by 1 % of the velocity
     np.testing.assert_allclose(stated.shared_sigma, share, rtol=1e-9)
     np.testing.assert_allclose(stated.diameter_sigma, np.hypot(plain.diameter_sigma, 2 * share), rtol=1e-9)
-    assert (plain.shared_sigma == 0).all()
+    assert (plain.shared_sigma < 1e-9).all(), "the steps of the times of the file alone"
     steps = stated.by_step(1.0)
     assert (steps.diameter_sigma >= 2 * steps.shared_sigma * (1 - 1e-9)).all()  # it does not cancel along the hole
     shown = logs(Echo(1500.0, TOOL, casing=CASINGS))
