@@ -361,6 +361,28 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
         screen.close()
 
 
+def test_a_tight_place_far_below_is_named_over_hole_that_nobody_saw(browser: Any) -> None:
+    """The bit runs in at 900 m; the wall is that of an earlier run, from 1000 m on."""
+    string = {"bodies": [[0.216, 0.3, 0.0]], "why": "", "bit": 900.0, "hanging": [{"name": "bit"}]}
+    ahead = {"up": None, "down": None, "bodies": ((None, None),), "moving": "down", "touching": (0.213,)}
+    ahead |= {"unseen": ((None, None),)}
+    under = {"severity": 3.0, "confidence": 0.9, "measured": None, "kind": "undergauge", "measure": -0.008}
+    places = [under | {"start": start, "stop": start + 1.0} for start in (1020.0, 1024.0)]
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 900.0, "hole_depth": 1040.0, "newest": time.time(), "string": string, "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=places, zones_to=1031.0)
+        screen.until("document.getElementById('rigWhereHead').textContent === 'Next going down: undergauge in'")
+        assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == ["120.0 m", "bit"]
+        assert screen.inner_text("#rigWorst").strip() == "not known"
+        assert screen.inner_text("#rigWorstMore") == "too little seen; undergauge −8 mm at 1020.0 m"
+        viewer.scene.update_state(ahead=ahead | {"moving": "up"})
+        screen.until("document.getElementById('rigWhereHead').textContent === 'Hole size'")
+        screen.close()
+
+
 def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: Any) -> None:
     """The wall ends at 1031 m, the bit is at 1036 m: the sensor has not reached the hole beside the stabiliser."""
     string = {"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 2.0]], "why": "", "bit": 1036.0}

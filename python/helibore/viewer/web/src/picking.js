@@ -581,7 +581,7 @@ export class Picking {
       const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : this.slack(plane);
       const slot = plane.kind === 'bed' ? null : late(this.app)?.openingOf(this.app.store, plane);
       const size = (/** @type {number} */ metres) => showLength(metres, units, units === 'mm' ? 0 : 2);
-      if (slot) lines.unshift(`open ${size(slot.opening)} across (${size(slot.low)} to ${size(slot.high)} around the hole), ${size(slot.deep)} deep in the wall`);
+      if (slot) lines.unshift(`open about ${size(slot.opening)} across, at least ${size(slot.deep)} deep`);
       lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
     else if (pick && axisOf(this.app.path, pick.depth, pick.toolface)) lines.unshift(`azimuth ${axisOf(this.app.path, pick.depth, pick.toolface)} from ${northOf(this.app.path)}`);

@@ -5,7 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
 import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { doubtsAhead, HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { doubtsAhead, HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -116,10 +116,12 @@ function writeWorst(app) {
     const [doubt] = stale ? [] : doubtsAhead(app);
     const last = doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
-    cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', more);
+    const far = stale || digits === 'looking' ? undefined : tightBeyond(app);
+    cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
     if (doubt && digits === 'not sure') return cell('rigWhere', `Next going ${doubt.way}: may stick in`, ...distance(doubt.left, units, true), doubt.first);
-    if (digits !== 'not known' || !unseen || stale) return cell('rigWhere', 'Hole size', ...holeSize(app));
-    return cell('rigWhere', nextHead(unseen), ...distance(unseen.left, units), unseen.first);
+    const coming = (digits === 'not known' && !stale && unseen) || far;
+    if (!coming) return cell('rigWhere', 'Hole size', ...holeSize(app));
+    return cell('rigWhere', nextHead(coming), ...distance(coming.left, units), coming.first);
   }
   const { worst, next, sticks, count, most } = found;
   const stuck = sticks && !stale ? stuckIn(app, sticks) : -1;

@@ -92,6 +92,17 @@ export function unseenAhead(app) {
   return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
+// Return the zone beyond reach in which the string may stick that it meets next on the ways that the bit may take.
+/** @param {App} app @returns {FirstPlace | undefined} */
+export function tightBeyond(app) {
+  const [top, bottom] = reach(app);
+  const found = app.zones.filter(({ kind, start, stop }) => HOLDS.includes(kind) && (start >= bottom || stop <= top)).flatMap((zone) => {
+    const met = meeting(app, zone);
+    return met ? [/** @type {FirstPlace} */ ({ start: zone.start, stop: zone.stop, measure: zone.measure, zone, sure: zone.confidence, tight: false, ...met })] : [];
+  });
+  return found.sort((a, b) => a.left - b.left)[0];
+}
+
 // Return the places in which a body is likely too thick, and not surely, from what is met first.
 /** @param {App} app @returns {FirstPlace[]} */
 export function doubtsAhead(app) {
