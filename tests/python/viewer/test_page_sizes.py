@@ -100,10 +100,10 @@ def test_an_image_names_its_unit_however_narrow_it_is(browser: Any, viewer: Any,
 
 def test_the_bar_of_a_phones_scale_stands_above_the_words(browser: Any, viewer: Any) -> None:
     screen = Screen(browser, viewer.url, "#md=1008&sec=20&camera=outside&tab=3d", SIZES[-1], drawn=False)
-    screen.until("ink.labels.some(({ text }) => text.includes('planned path'))")
+    screen.until("ink.labels.some(({ text }) => text.includes('from the planned path'))")
     screen.settle()
     labels = screen.evaluate("ink.labels")
-    words = min(one["top"] for one in labels if "tube ×" in one["text"])
+    words = min(one["top"] for one in labels if "hole ×" in one["text"])
     left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
     bars = [one for one in labels if one["text"].endswith(" m") and abs(one["left"] - left - 92) < 2]
     assert bars

@@ -314,17 +314,17 @@ export class Gpu {
   }
 
   // Place the camera beside the section so that the whole section is in view.
-  /** @param {number} sectionLength @param {Frame} frame @param {number} radius @param {Rect} rect */
-  lookAtSection(sectionLength, frame, radius, { width, height }) {
+  /** @param {number} sectionLength @param {Frame} frame @param {number} radius @param {Rect} rect @param {number} [clear] pixels above and below it */
+  lookAtSection(sectionLength, frame, radius, { width, height }, clear = CLEAR) {
     const along = eastNorthUp(frame.tangent);
     const aside = [along[1], -along[0], 0]; // to the side of the hole, level
     const level = length(aside) < 0.05 ? [0.5, -1, 0] : aside;
     const up = plus([0, 0, 1], along, -along[2]);
-    const from = normalised(plus(normalised(level), up, 0.25));
+    const from = normalised(plus(normalised(level), up, 0.4));
     const half = this.outside.tangent;
     const tall = Math.abs(along[2]) * sectionLength + 2.6 * radius;
     const wide = Math.hypot(along[0], along[1]) * sectionLength + 2.6 * radius;
-    const share = Math.max(0.5, 1 - (2 * CLEAR) / height);
+    const share = Math.max(0.5, 1 - (2 * clear) / height);
     const away = Math.max(tall / share, wide / Math.max(0.5, 1 - NAMES / width) / Math.max(0.2, width / height)) / 2 / half;
     this.outside.position = scaled(from, away + radius);
     this.outside.lookAt([0, 0, 0]);
@@ -367,7 +367,7 @@ export class Gpu {
   }
 }
 
-const CLEAR = 80; // pixels above and below the section, for controls, compass and words
+const CLEAR = 80; // for controls, compass and words
 const NAMES = 200; // pixels across for the names beside the hole
 const BIT_SHARE = 0.2; // the bit's radius, as a share of the column's width
 const COLUMN_SHAPE = 3; // the exaggeration of the shape in the column, if the user chose none

@@ -59,13 +59,13 @@ export const topPlanes = ({ intervals, path, store }, kept) => intervals.map(([n
   return { name, start, picked, plane: picked ?? levelPlane(path, start, store.bitRadius) };
 });
 
-// Return the name of a top with its dip and azimuth, or that it has none.
+// Return the name of a top, with its dip and azimuth if a bed was picked there.
 /** @param {Top} top @param {Path} path */
-export const topInWords = ({ name, picked }, path) => `${name}   ${picked ? anglesOf(picked, path) : 'no dip'}`;
+export const topInWords = ({ name, picked }, path) => (picked ? `${name}   ${anglesOf(picked, path)}` : name);
 
 // Return in words what traces, and discs if there are some, show on a hole that is drawn so many times too wide.
 /** @param {number} tube @param {boolean} discs */
-export const discsInWords = (tube, discs) => (tube > 1 ? [`tube × ${tube}: traces on it look flatter`, ...(discs ? ['the edges of discs have their true dip'] : [])] : [`tube × ${tube}`]);
+export const discsInWords = (tube, discs) => (tube > 1 ? [`hole × ${tube} wide: lines on it look flatter`, ...(discs ? ['discs have the true dip'] : [])] : [`hole × ${tube} wide`]);
 
 // Stroke the level line of a top without a dip.
 /** @param {Ink} ink @param {Palette} palette */
@@ -96,7 +96,7 @@ export function drawDiscs(ink, look, planes, gpu) {
     /** @param {number[]} centre */
     const seen = (centre) => gpu.project({ centre }, rect);
     const [back, face] = [front + 90, front - 90].map((from) => discOf(plane, radius, [from, from + 180]));
-    const rim = [...back, ...face].map(({ edge, wide }) => (wide ? seen(edge) : null)).filter((at) => at !== null);
+    const rim = [...back, ...face].map(({ edge, trace, wide }) => (level ? seen(trace) : wide ? seen(edge) : null)).filter((at) => at !== null);
     /** @param {(Pair | null)[]} points */
     const row = (points) => {
       ink.beginPath();
@@ -119,10 +119,10 @@ export function drawDiscs(ink, look, planes, gpu) {
       ink.fill();
       ink.globalAlpha = 1;
     }
-    row(back.map(({ edge, wide }) => (wide ? seen(edge) : null)));
+    if (!level) row(back.map(({ edge, wide }) => (wide ? seen(edge) : null)));
     ink.restore();
-    row(face.map(({ edge, wide }) => (wide ? seen(edge) : null)));
-    if (!level) row(face.map(({ trace }) => seen(trace)));
+    if (!level) row(face.map(({ edge, wide }) => (wide ? seen(edge) : null)));
+    row(face.map(({ trace }) => seen(trace)));
     const [x, y] = gpu.project(plane.frame, rect) ?? [0, 0];
     const [left, low] = gpu.project(plane.frame, rect, gpu.aside(plane.frame, -radius)) ?? [x - 1, y];
     const away = Math.hypot(left - x, low - y);

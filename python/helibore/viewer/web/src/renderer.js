@@ -311,10 +311,11 @@ export class Renderer {
   }
 
   // Look at the section from where the eye was put, else from where all of it is seen.
-  aim() {
+  /** @param {number} [clear] pixels above and below it */
+  aim(clear) {
     const { gpu, controls, app: { path, view, store } } = this;
     if (!path?.count || !gpu || !controls) return;
-    gpu.lookAtSection(view.length, path.at(view.middle), view.tubeFactor(store) * store.bitRadius, this.rects.wall);
+    gpu.lookAtSection(view.length, path.at(view.middle), view.tubeFactor(store) * store.bitRadius, this.rects.wall, clear);
     controls.target = [0, 0, 0];
     if (view.eye.length) {
       gpu.outside.position = view.eye.slice(0, 3);

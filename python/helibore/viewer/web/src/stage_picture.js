@@ -15,6 +15,7 @@ import { captionOf } from './wall_ink.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
+const SLIDE_CLEAR = 28; // pixels above and below the section: a slide has no controls
 const WAIT = 5000; // milliseconds
 const MOST_TILES = 32; // of a picture that waits for all of its parts
 const ROW = 17; // pixels of a pick in the list below
@@ -43,8 +44,10 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
     inks.slide = {};
     Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - band}px` });
     renderer.rects = layout(SLIDE.width, SLIDE.height - band, renderer.arrangement);
+    const { map, pane } = renderer.rects;
+    if (view.tab === '3d' && pane.width) Object.assign(pane, { left: pane.left - map.width, width: pane.width + map.width }, (map.width = 0)); // the hole alone
     renderer.gpu?.resize(SLIDE.width, SLIDE.height - band);
-    if (!view.eye.length) renderer.aim(); // all of the section is seen on the slide, too
+    if (!view.eye.length) renderer.aim(SLIDE_CLEAR); // all of the section is seen on the slide, too
   }
   const [width, height] = [inks.clientWidth + side, inks.clientHeight + band];
   const ratio = Math.max(vector ? FINE : Math.min(4, WIDE / width), pixelRatio(inks));

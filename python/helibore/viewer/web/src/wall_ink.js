@@ -4,21 +4,19 @@ import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { anglesInWords, wallPoint } from './dips.js';
 import { drawInsideInk } from './inside_ink.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, touch, within } from './layout.js';
-import { niceStep } from './lod.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { edges, line } from './strokes.js';
+import { line } from './strokes.js';
 import { discsInWords, drawDiscs } from './plane_rings.js';
-import { drawPlan, offPlan, planInWords } from './planned.js';
+import { drawMaps, scaleBar } from './path_maps.js';
+import { drawPlan, planInWords } from './planned.js';
 import { turn } from './turns.js';
-import { depthNumber, LENGTHS, showDepth } from './units.js';
+import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus, scaled } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 import { isSure } from './zones.js';
 
-// The arms of the compass: name, and direction (east, north, up).
-/** @type {[string, number[]][]} */
-const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
+const NEEDLE = 30; // pixels from the middle of the compass to its rim
 
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes */
 export function drawWallInk(ink, look, gpu, calipers, planes) {
@@ -38,12 +36,9 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const at = labels.push(foot, words) - 2;
   if (outside) outsideInk(ink, look, gpu, calipers, planes, palette, words);
   else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
+  if (path.surveyed && outside && rect.width > 300) drawMaps(ink, look, gpu, planes);
   labels.splice(at, 2);
-  if (path.surveyed) {
-    if (!outside) disc(ink, rect, palette); // the rock is as dark or as bright as the arms
-    compass(ink, gpu, rect, palette);
-    if (outside && rect.width > 300) plan(ink, look, gpu, palette);
-  }
+  if (path.surveyed) compass(ink, gpu, rect, palette);
   ink.restore();
   ink.font = FONT;
   if (outside) {
@@ -66,13 +61,13 @@ function inWords(look, planes, tube, slide) {
   const inView = (depth) => depth > view.top && depth < view.bottom;
   const picked = planes.kept.some(({ depth }) => inView(depth));
   const toScale = !outside && (view.shape || 1) === 1;
-  const words = toScale ? ['true to scale'] : picked || (outside && look.intervals.some(([, start]) => inView(start))) ? discsInWords(tube, outside) : [`tube × ${tube}`];
+  const words = toScale ? ['true to scale'] : picked || (outside && look.intervals.some(([, start]) => inView(start))) ? discsInWords(tube, outside) : [`hole × ${tube} wide`];
   if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} about the bit radius`);
-  if (outside && store.basis === 'azimuthal') words.push('see-through: not sure');
-  if (outside && store.plan.length) words.push(...planInWords(look));
+  if (outside && store.basis === 'azimuthal') words.push('see-through where not sure');
   if (slide && rects.image.width && leftEdge(path, view.cut, view.middle).known) words.push(`image ${CUTS[view.cut].label}`); // its head has no room
   if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
   if (view.median > 1) words.push(`median of ${view.median} turns`);
+  if (outside && store.plan.length) words.push(...planInWords(look));
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   return words;
@@ -98,9 +93,9 @@ function outsideInk(ink, look, gpu, calipers, planes, palette, words) {
   const rect = rects.wall;
   const tube = view.tubeFactor(store);
   unmeasured(ink, look, gpu, calipers, palette);
-  if (store.plan.length) drawPlan(ink, look, gpu);
   const writeAngles = drawDiscs(ink, look, planes, gpu);
   zonesBeside(ink, look, gpu, palette);
+  const writePlan = store.plan.length ? drawPlan(ink, look, gpu) : () => {};
   const { cursor } = view;
   if (cursor && cursor.depth >= view.top && cursor.depth <= view.bottom) cursorRing(ink, look, cursor.depth, gpu, palette); // below the words
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
@@ -117,41 +112,25 @@ function outsideInk(ink, look, gpu, calipers, planes, palette, words) {
     const text = showDepth(depth, view.units, digits);
     ink.font = SMALL;
     label(ink, text, level ? at[0] : Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
-    const off = store.plan.length && !level ? offPlan(look, depth) : null;
-    if (off) {
-      const away = `${showDepth(off.away, view.units, 1)} off`;
-      const [end, wide] = [at[0] + 16 + ink.measureText(text).width, ink.measureText(away).width];
-      const edge = rect.left + rect.width - 4;
-      label(ink, away, Math.min(end, edge - wide), at[1], { colour: palette.max, halo: palette.paper, font: SMALL, near: [[0, end + wide > edge ? 14 : 0]], yields: true, margin: 1 });
-    }
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
   writeAngles();
-  scaleBar(ink, look, gpu, palette, words);
+  writePlan();
+  barBeside(ink, look, gpu, palette, words);
   cursorLabel(ink, look, gpu, beside, palette);
 }
 
-// Draw a bar with its length, as it is in the middle of the section.
+// Draw the bar of the scale in the middle of the section, beside the compass or above the words.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette @param {Box} words */
-function scaleBar(ink, { view, path, rects: { wall: rect } }, gpu, palette, words) {
+function barBeside(ink, { view, path, rects: { wall: rect } }, gpu, palette, words) {
   const frame = path.at(view.middle);
   const [a, b] = [0, 1].map((metres) => gpu.project(frame, rect, scaled(gpu.camera.axes[0], metres)));
-  const left = rect.left + 92; // beside the compass, or above the words
-  if (a && b) bar(ink, left, Math.min(rect.height - 46, words.left < left + LONGEST_BAR ? words.top - 10 : Infinity), b[0] - a[0], view, palette);
+  const left = rect.left + 92;
+  if (a && b) scaleBar(ink, left, Math.min(rect.height - 46, words.left < left + LONGEST_BAR ? words.top - 10 : Infinity), b[0] - a[0], view, palette);
 }
 
 const LONGEST_BAR = 100; // pixels
-
-// Draw a bar of at least 40 pixels, with its length above it.
-/** @param {Ink} ink @param {number} x @param {number} y @param {number} perMetre @param {View} view @param {Palette} palette */
-function bar(ink, x, y, perMetre, { units }, palette) {
-  const { scale, unit } = LENGTHS[units].depth;
-  const perUnit = perMetre / scale; // pixels
-  const size = niceStep(40 / perUnit);
-  for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
-  label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
-}
 
 // Draw a stroke beside the hole along every zone in view.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
@@ -194,81 +173,35 @@ function cursorLabel(ink, look, gpu, beside, palette) {
   if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD, near: [[0, 0], [0, -16], [0, 16], [0, -32], [0, 32]] });
 }
 
-/** @param {Ink} ink @param {Rect} rect @param {Palette} palette */
-function disc(ink, { left, height }, { paper }) {
-  ink.beginPath();
-  ink.arc(left + 44, height - 46, 42, 0, 7);
-  ink.fillStyle = `${paper}cc`;
-  ink.fill();
-}
-
+// Draw a needle on a level disc, as the camera sees them, with the letter of north.
 /** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */
 export function compass(ink, gpu, rect, palette) {
   const [x, y] = [rect.left + 44, rect.height - 46];
-  const arms = ARROWS.map(([name, direction]) => ({ name, at: gpu.facing(direction) }));
-  for (const { at: [dx, dy, towards] } of arms) line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
-  for (const { name, at: [dx, dy] } of arms) {
-    const far = 26 + 10 / (Math.hypot(dx, dy) || 1); // ten pixels past the tip, however short the arm is seen
-    label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, near: [[0, 0], [10, 0], [-10, 0], [0, 12], [0, -12], [16, 10], [-16, 10]] });
-  }
-}
-
-const PLAN = 92; // pixels of its side
-
-// Draw the hole seen from above, north up, with the section and the cursor on it, and what of the planned path is there.
-/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
-function plan(ink, { view, path, store, rects }, gpu, palette) {
-  const [shallow, deep] = store.span;
-  const along = Array.from({ length: 61 }, (_, i) => shallow + ((deep - shallow) * i) / 60);
-  /** @param {number} depth */
-  const place = (depth) => path.at(depth).centre;
-  const all = along.map(place);
-  const [[n0, n1], [e0, e1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
-  const size = Math.max(n1 - n0, e1 - e0);
-  if (size < 1) return; // vertical
-  const [near, top] = [rects.wall.left + 10, HEAD + 26];
-  const hidden = along.some((_, i) => {
-    const [x, y] = gpu.project(path.at(view.top + (view.length * i) / 60), rects.wall) ?? [near + 999, 0];
-    return x < near + PLAN + 30 && y < top + PLAN + 30;
-  }) || ink.canvas.labels.some((one) => touch(one, { text: '', left: near, right: near + PLAN, top: top - 16, bottom: top + PLAN + 24 }));
-  const left = hidden ? rects.wall.left + rects.wall.width - PLAN - 10 : near; // at the side where it hides no hole and no name
-  /** @param {number[]} centre @returns {Pair} */
-  const spot = ([north, east]) => [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
-  /** @param {number} depth */
-  const at = (depth) => spot(place(depth));
-  ink.fillStyle = `${palette.paper}cc`;
-  ink.fillRect(left, top - 16, PLAN, PLAN + 40);
-  edges(ink, { left, top, width: PLAN, height: PLAN }, palette.line);
-  label(ink, 'plan, N up', left, top - 8, { colour: palette.soft, halo: palette.paper, font: SMALL });
-  bar(ink, left + 8, top + PLAN + 18, (PLAN - 16) / size, view, palette);
-  const shown = along.filter((depth) => depth > view.top && depth < view.bottom);
-  const ends = [view.top, view.bottom].map((depth) => Math.min(deep, Math.max(shallow, depth)));
-  for (const [depths, colour, width] of /** @type {[number[], string, number][]} */ ([[along, palette.soft, 1.4], [[ends[0], ...shown, ends[1]], palette.ink, 4]])) {
+  /** @param {number} azimuth @param {number} share @returns {Pair} */
+  const at = (azimuth, share) => {
+    const [dx, dy] = gpu.facing([Math.sin(azimuth), Math.cos(azimuth), 0]);
+    return [x + NEEDLE * share * dx, y - NEEDLE * share * dy];
+  };
+  const east = Math.PI / 2;
+  /** @type {[Pair[], string][]} */
+  const parts = [
+    [Array.from({ length: 25 }, (_, i) => at((i * Math.PI) / 12, 1)), `${palette.paper}dd`],
+    [[at(0, 0.95), at(east, 0.3), at(-east, 0.3)], palette.ink],
+    [[at(2 * east, 0.95), at(east, 0.3), at(-east, 0.3)], palette.paper],
+  ];
+  for (const [corners, fill] of parts) {
     ink.beginPath();
-    for (const depth of depths) ink.lineTo(...at(depth));
-    ink.strokeStyle = colour;
-    ink.lineWidth = width;
+    for (const corner of corners) ink.lineTo(...corner);
+    ink.closePath();
+    ink.fillStyle = fill;
+    ink.fill();
+    ink.strokeStyle = palette.ink;
+    ink.lineWidth = 1.2;
     ink.stroke();
   }
-  within(ink, { left, top, width: PLAN, height: PLAN }, () => {
-    ink.beginPath();
-    for (const point of store.plan) ink.lineTo(...spot(point));
-    ink.strokeStyle = palette.max;
-    ink.lineWidth = 2;
-    ink.setLineDash([7, 4]);
-    ink.stroke();
-    ink.setLineDash([]);
-  });
-  ink.canvas.strokes.push([...at(ends[0]), ...at(ends[1])]);
-  for (const depth of ends) {
-    const [x, y] = at(depth);
-    label(ink, depthNumber(depth, view.units, 0), Math.min(left + PLAN - 16, Math.max(left + 16, x)), y, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, near: [[0, 12], [0, -12], [0, 22], [0, -22]], yields: true });
-  }
-  if (!view.cursor) return;
-  ink.fillStyle = palette.cursor;
-  ink.beginPath();
-  ink.arc(...at(view.cursor.depth), 4, 0, 7);
-  ink.fill();
+  const [dx, dy] = at(0, 1).map((tip, i) => tip - [x, y][i]);
+  const far = 1 + 10 / (Math.hypot(dx, dy) || 1); // ten pixels past the tip, however short the needle is seen
+  label(ink, 'N', x + far * dx, y + far * (dy || -1), { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
 }
 
 // Draw a line at the cursor's depth around the visible side of the wall.
