@@ -659,7 +659,7 @@ def test_the_planned_path_is_seen_over_the_hole_with_its_distance_where_it_is_fa
                     assert not [
                         p for p in hole if one["left"] < p[0] < one["right"] and one["top"] < p[1] < one["bottom"]
                     ]
-                # Of the axis of the plan some three of five places are blue, though the hole is drawn wider than it is off.
+                # Of the plan some three of five places are blue, though the hole is drawn wider than it is off.
                 blue = screen.evaluate(
                     "(([rgb, points]) => { const { app: { renderer: { gpu, rects: { wall } } } } = window.__wall;"
                     " const ink = document.getElementById('ink'); const ratio = ink.width / ink.clientWidth;"
@@ -677,7 +677,7 @@ def test_the_planned_path_is_seen_over_the_hole_with_its_distance_where_it_is_fa
 
 
 def test_the_side_shows_tops_at_the_dip_that_its_section_cuts(browser: Any) -> None:
-    """A bed that dips along the hole has its dip there, one that dips across it is level, both drawn where they cross."""
+    """A bed that dips along the hole has its dip there, and one that dips across it is level."""
     path = hb.Survey([970.0, 1100.0], [40.0, 40.0], [70.0, 70.0], north="grid").path(extend=100.0)
     wall = MadeWall(20_000)
     wall.intervals = (hb.Interval("Along", 1003.0, 1008.0), hb.Interval("Across", 1008.0, 1012.0))
