@@ -366,6 +366,46 @@ def test_a_cleft_is_darker_from_inside_the_deeper_it_is(browser: Any) -> None:
     assert 0.12 < light[-1] < 0.45, "its ground is dark, and seen"
 
 
+def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browser: Any) -> None:
+    """The wall is smooth; the image is dark in the fracture, noisy elsewhere, and has an edge that is no line."""
+    wall = MadeWall(80_000, pitch=0.005)
+    wall.radius = np.full(len(wall), BIT / 2 + 0.001)
+    rng = np.random.default_rng(45)
+    amplitude = 60 + 12 * (wall.depth > 1002.2) + rng.normal(0, 1.5, len(wall))
+    away = np.abs(wall.depth - 1001.6 - 0.06 * np.cos(np.radians(wall.toolface - 200)))
+    amplitude = amplitude - 40 * np.exp(-((away / 0.008) ** 2))
+    place = (
+        "(({ path, store, renderer: { gpu, rects: { wall } } }, toolface, depth) => {"
+        " const { centre, high, right } = path.at(depth); const t = (toolface * Math.PI) / 180;"
+        " const at = centre.map((x, i) => x + store.bitRadius * (Math.cos(t) * high[i] + Math.sin(t) * right[i]));"
+        " const [x, y] = gpu.project({ centre: at }, wall); return [x - wall.left, y - wall.top]; })"
+        "(window.__wall.app, %f, %f)"
+    )
+    seen = {}
+    for name, image in (("AMP", amplitude), ("PLAIN", np.full(len(wall), 60.0))):
+        with hb.view(wall, path=curved_path(), attributes={hb.Attribute(name, "dB"): image}) as viewer:
+            address = "#md=1002&sec=2&camera=down&quantity=over&beside=&at=1001.6&tab=3d"
+            screen = Screen(browser, viewer.url, address, (1366, 768))
+            screen.until(f"ink.labels.some(({{ text }}) => text.includes('dark and light by {name}'))")
+            screen.settle()
+            light = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+            found = []
+            for toolface in (20, 110, 200, 290):
+                trace = 1001.6 + 0.06 * math.cos(math.radians(toolface - 200))
+                on, *off = (
+                    light[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].mean()
+                    for x, y in (screen.evaluate(place % (toolface, trace + by)) for by in (0.0, -0.08, 0.08))
+                )
+                found.append(on / np.mean(off))
+            x, y = screen.evaluate(place % (20, 1002.2))
+            edge = light[round(y) - 4 : round(y) + 5, round(x) - 1 : round(x) + 2].mean(axis=1)
+            seen[name] = (max(found), np.ptp(edge) / edge.mean())
+            screen.close()
+    assert seen["PLAIN"][0] == pytest.approx(1, abs=0.12)
+    assert seen["AMP"][0] < 0.6, "all around the hole"
+    assert seen["AMP"][1] < seen["PLAIN"][1] + 0.1, "the edge is no line"
+
+
 def test_inside_noise_is_no_relief(browser: Any) -> None:
     """The same radii: what may be chance by their uncertainty is smooth, what is sure is seen."""
     wall = MadeWall(80_000, pitch=0.005)
@@ -1624,6 +1664,80 @@ def test_a_slide_is_the_view_in_larger_type_and_the_page_stays(browser: Any, vie
     screen.settle()
     assert screen.evaluate("JSON.stringify([window.__wall.app.renderer.rects, window.__wall.app.view.top])") == before
     screen.close()
+
+
+@pytest.mark.parametrize("address", ["#md=1010&sec=20", "#md=1010&sec=6&camera=down&tab=3d"])
+def test_a_picture_with_picks_is_16_to_9_and_filled(browser: Any, viewer: Any, address: str) -> None:
+    for depth in (1008.5, 1010.0):
+        pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=40.0)
+        viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+    screen = Screen(browser, viewer.url, address, (1366, 768), drawn=False)
+    screen.until("window.__wall.app.picking.kept.length === 2")
+    screen.settle()
+    with screen.page.expect_download() as download:
+        screen.click("#png")
+    body = Path(download.value.path()).read_bytes()
+    wide, high = struct.unpack(">II", body[16:24])
+    assert wide / high == pytest.approx(16 / 9, rel=0.01)
+    emptiest = screen.evaluate(
+        """([base64, share]) => new Promise((done) => {
+          const image = new Image();
+          image.onload = () => {
+            const canvas = document.createElement('canvas');
+            Object.assign(canvas, { width: 800, height: 450 });
+            const ink = canvas.getContext('2d');
+            ink.drawImage(image, 0, 0, 800, 450);
+            const left = Math.round(800 * share);
+            const { data } = ink.getImageData(left, 0, 800 - left, 450);
+            const marked = Array.from({ length: 450 }, (_, y) => {
+              const row = data.slice(4 * y * (800 - left), 4 * (y + 1) * (800 - left));
+              return row.some((one, i) => i % 4 < 3 && Math.abs(one - row[i % 4]) > 24);
+            });
+            let [empty, most] = [0, 0];
+            for (const one of marked) { empty = one ? 0 : empty + 1; most = Math.max(most, empty); }
+            done(most / 450);
+          };
+          image.src = `data:image/png;base64,${base64}`;
+        })""",
+        [
+            base64.b64encode(body).decode(),
+            screen.evaluate("stage.clientWidth / (stage.clientHeight + 26)") * high / wide,
+        ],
+    )
+    assert emptiest < 0.25, "of the height beside the view"
+    screen.close()
+    viewer.scene.change_picks(Picks.clear)
+
+
+def test_the_eye_inside_goes_before_the_selected_pick(browser: Any, viewer: Any) -> None:
+    for depth in (1003.0, 1018.0):
+        pick = Pick(kind="fracture", depth=depth, toolface=40.0, apparent_dip=40.0)
+        viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20", (1366, 768), drawn=False)
+    screen.until("window.__wall.app.picking.kept.length === 2")
+    screen.keyboard.press("d")
+    before = (
+        "(({ path, renderer: { gpu, rects } }) => [%f, %f].map((depth) => Boolean(gpu.project(path.at(depth),"
+        " rects.wall))))(window.__wall.app)"
+    )
+    screen.mouse.click(*place(screen, 130, 1018.0))
+    screen.until("window.__wall.app.picking.pick")
+    screen.keyboard.press("i")
+    screen.settle()
+    assert "fracture at 1018.00 m" in [one["text"] for one in screen.evaluate("ink.labels")]
+    assert screen.evaluate(before % (1017.5, 1018.1)) == [False, True]
+    screen.mouse.click(*place(screen, 130, 1003.0))
+    screen.settle()
+    assert "fracture at 1003.00 m" in [one["text"] for one in screen.evaluate("ink.labels")], "another pick is selected"
+    assert screen.evaluate(before % (1002.5, 1003.1)) == [False, True]
+    screen.mouse.click(*place(screen, 130, 1009.0))
+    screen.settle()
+    assert screen.evaluate("window.__wall.app.view.pinned") is False, "the next pick follows the pointer"
+    assert screen.evaluate(before % (1002.5, 1003.1)) == [False, True], "the eye stays"
+    screen.keyboard.press("i")
+    screen.until("document.getElementById('camera').value === 'straight'")
+    screen.close()
+    viewer.scene.change_picks(Picks.clear)
 
 
 def test_a_picture_waits_for_the_parts_of_the_wall_that_have_not_arrived(browser: Any, viewer: Any) -> None:

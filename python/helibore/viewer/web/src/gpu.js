@@ -193,7 +193,7 @@ export class Gpu {
 
   /** @param {Look} look @param {'wall' | 'pick'} program */
   wall(look, program) {
-    const { store, path, view } = look;
+    const { store, path, view, light } = look;
     const tube = view.tubeFactor(store);
     const inside = view.camera !== 'outside';
     const pixel = (look.wallRect.height * Math.min(1, this.ratio)) / (2 * this.camera.tangent);
@@ -225,7 +225,7 @@ export class Gpu {
         median: inside && view.median < 3 ? 0 : view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,
-        ...(inside ? { dark: false, colours: colourTexture(look.quantity.map) } : {}), // the colour of the light page, as rock under a lamp
+        ...(inside ? { dark: false, colours: colourTexture(look.quantity.map), range: 0, ...(light && { column: this.textures(tile).attribute(light.attribute ?? 0), range: light.log ? Math.log(light.high / light.low) : light.high - light.low, imageLog: light.log }) } : {}), // the colour of the light page, as rock under a lamp
         number: index + 1,
         ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });

@@ -10,7 +10,7 @@ import { byId } from './dom.js';
 import { whenLate } from './late.js';
 import { onString } from './string.js';
 import { tabs } from './panel.js';
-import { CLASSES } from './picking.js';
+import { BREAKOUT, CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
 // In pixels. curve: the largest distance from a curve at which a pointer hits it. crest: the largest distance, along a sine,
@@ -148,7 +148,11 @@ function clickAt(app, x, y, reach) {
   if (app.view.string !== null && app.renderer.straight && onString(app.renderer.look(), x, depthAt(app.view, app.renderer.rects.axis, y))) return app.view.choose({ string: null }); // back to the bit
   const cursor = cursorAt(app, x, y);
   const aim = app.picking.on ? aimAt(app, x, y) : null;
-  if (aim) app.picking.click(aim, reach);
+  if (aim) {
+    unhold(app, cursor);
+    app.picking.click(aim, reach);
+    if (isInside(app.view)) lookFrom(app, app.view.camera);
+  }
   else if (cursor && app.view.pinned) unhold(app, cursor);
   else if (cursor) app.view.point(cursor, true);
 }
@@ -181,6 +185,16 @@ function pinch(app, pointers, id, now) {
   const [after, middle] = apart();
   view.zoom(before / after, depthAt(view, rects.image, middle), store);
   if (!view.follow) view.show(view.top - ((middle - from) * view.length) / rects.image.height, view.length, store);
+}
+
+// Choose from where the hole is seen. From inside, the cursor is held on the selected pick, before which the eye then stands.
+/** @param {App} app @param {View['camera']} camera */
+function lookFrom({ view, store, picking: { pick } }, camera) {
+  view.choose({ camera });
+  if (!pick || !isInside(view)) return;
+  const { depth, toolface } = pick;
+  if (depth < view.top || depth > view.bottom) view.centre(depth, store);
+  view.point({ depth, toolface: (toolface + (pick.kind === BREAKOUT ? 0 : 90)) % 360 }, true); // a plane is as deep there as in its middle
 }
 
 /** @param {App} app @param {Gpu} gpu */
@@ -222,7 +236,8 @@ export function bindControls(app) {
   const { view } = app;
   /** @template {string} Id @param {Id} id @param {string} event @param {(element: ElementOf<Id>) => unknown} act */
   const on = (id, event, act) => byId(id).addEventListener(event, () => act(byId(id)));
-  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.choose({ [id]: value }));
+  for (const id of /** @type {const} */ (['cut', 'pass', 'units'])) on(id, 'change', ({ value }) => view.choose({ [id]: value }));
+  on('camera', 'change', ({ value }) => lookFrom(app, /** @type {View['camera']} */ (value)));
   for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.choose({ [id]: Number(value) }));
   on('pass', 'change', ({ value }) => value === 'change' && app.selection.showChange());
   on('sectionLength', 'change', ({ value }) => app.selection.setLength(value));
@@ -328,7 +343,7 @@ const KEYS = {
   PageUp: along(-0.9),
   PageDown: along(0.9),
   h: (app) => app.renderer.fit(),
-  i: ({ view }) => view.nextCamera(),
+  i: (app) => lookFrom(app, isInside(app.view) ? 'straight' : 'down'),
   o: ({ view }) => view.toggleWhole(),
   t: ({ view }) => view.toggleTheme(),
   c: (app) => app.selection.copy(),

@@ -5,6 +5,8 @@
 
 export const INSIDE_FRAGMENT = /* glsl */ `
 uniform vec2 steep;
+uniform float range; // of the image whose contrast is seen under the colours of radii; 0: none
+uniform bool imageLog;
 out vec4 colour;
 // Weights of three vertices for a place, in vertices from the middle one; and how they change along the way.
 vec3 spline(float f) { return vec3(0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)); }
@@ -22,7 +24,7 @@ float above(ivec2 place, float c, bool image) {
   if (image) {
     v = texelFetch(column, place, 0).r;
     if (!known(v)) return 0.0;
-    if (logarithmic) v = log(v);
+    if (logarithmic || imageLog) v = log(max(v, 1e-6));
   } else {
     uvec4 t = texelFetch(texels, place, 0);
     v = float(firstPass ? t.y : t.x) * radiusUnit;
@@ -48,6 +50,7 @@ void main() {
   int k = quad(depthHere);
   bool gap = missing(k);
   if (gap && k + (rings ? 0 : K + 1) >= size) discard;
+  int cell = k;
   k = ownOf(k, grid);
   vec2 under = fwidth(grid); // columns and rows under a pixel
   float small = max(1.0, max(under.x, under.y)); // quads under a pixel
@@ -79,7 +82,27 @@ void main() {
   float far = length(seen) / (14.0 * bitRadius); // the lamp lights some metres
   float deep = wall > 0.0 ? max(0.0, c + radii.z - wall) : 0.0; // so far behind the wall around it
   float cleft = min(pow(20.0 * shape * deep / bitRadius, 2.0), 4.0); // of the light that enters a narrow cleft a fifth leaves it, so that its ground is seen; a breakout is wider than deep
-  vec3 base = rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
+  float mark = 1.0; // a closed fracture has no relief: where the image differs from what is around, the wall is darker or lighter
+  if (range > 0.0 && !rings) {
+    ivec2 here = place(cell);
+    float own = texelFetch(column, here, 0).r;
+    if (known(own)) {
+      if (imageLog) own = log(max(own, 1e-6));
+      int across = max(K / 24, 1), along = max(int(0.5 * bitRadius / abs(pitch)), 2);
+      float darker = 0.0, lighter = 0.0; // than on both sides, in one of four directions: an edge is neither
+      for (int i = 0; i < 4; i++) {
+        ivec2 aside = ivec2(i == 1 ? 0 : across, i == 0 ? 0 : i == 3 ? -along : along);
+        vec2 sides = vec2(above(at(here.x + aside.x, here.y + aside.y), own, true), above(at(here.x - aside.x, here.y - aside.y), own, true));
+        darker = max(darker, min(sides.x, sides.y));
+        lighter = max(lighter, -max(sides.x, sides.y));
+      }
+      float contrast = lighter - darker;
+      if (abs(contrast) > 0.1 * range && near) contrast += smoothed(grid - 0.5, own, true).z;
+      contrast /= range * small;
+      mark = clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.08), 0.25, 1.3); // noise and lamination are faint
+    }
+  }
+  vec3 base = mark * rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;

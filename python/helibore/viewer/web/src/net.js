@@ -43,8 +43,10 @@ export function drawNet({ ink, width, height }, { view, path }, { kept, boxes },
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const planes = kept.filter(inView);
   const breakouts = boxes.filter(inView);
-  const radius = Math.min(width / 4 - 22, height / 2 - 18);
-  const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
+  const tall = height > width; // one below the other
+  const half = tall ? [width / 2, height / 4] : [width / 4, height / 2];
+  const radius = Math.min(half[0] - 22, half[1] - 18);
+  const [net, flower] = [1, 3].map((i) => ({ x: half[0] * (tall ? 1 : i), y: half[1] * (tall ? i : 1), radius }));
   for (const place of [net, flower]) circle(ink, place, palette, sidesOf(path));
   for (const plane of planes) {
     const [dip, azimuth] = attitude(plane, path);

@@ -3,7 +3,7 @@
 
 import { looked, toAddress } from './address.js';
 import { drawCaliper } from './caliper.js';
-import { fitRange, nearBit, Q_ATTRIBUTE, quantityOf, valuesInView } from './color.js';
+import { fitRange, nearBit, Q_ATTRIBUTE, Q_NEAREST, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
 import { sized } from './device.js';
 import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
@@ -136,6 +136,7 @@ export class Renderer {
       intervals: store.intervals,
       zones: (view.rig && late(app)?.zonesInRig(app)) || app.zones,
       held: view.pinned ? heldPlane(app.picking.planesOfAll(), view) : undefined,
+      light: quantity.mode < Q_NEAREST ? [...selection.besides, ...selection.quantities].find(({ mode, length }) => mode === Q_ATTRIBUTE && !length) : undefined,
       growing: app.growing,
       arms: app.curves.arms,
       string: hung(app),

@@ -19,7 +19,8 @@ const SLIDE_CLEAR = 28; // pixels above and below the section: a slide has no co
 const WAIT = 5000; // milliseconds
 const MOST_TILES = 32; // of a picture that waits for all of its parts
 const ROW = 17; // pixels of a pick in the list below
-const NET = { width: 330, height: 190 }; // stereonet and rose, at the right
+const WORDS = 66; // pixels of the words between them
+const SIDE = { least: 210, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
 
 // Return whether a part of the wall in view has not arrived.
 /** @param {App} app */
@@ -37,7 +38,7 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   const vector = kind === 'svg';
   const slide = kind === 'slide';
   const planes = picking.planes();
-  const side = slide ? 0 : sideOf(view, planes);
+  const side = slide ? 0 : sideOf(view, planes, inks.clientWidth, inks.clientHeight + BAND);
   const caption = slide && view.camera === 'outside' && renderer.rects.wall.width ? captionOf(pen(inks), renderer.look(), planes, SLIDE.width - 16, true) : [];
   const band = BAND + 16 * caption.length;
   if (slide) {
@@ -45,7 +46,7 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
     Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - band}px` });
     renderer.rects = layout(SLIDE.width, SLIDE.height - band, renderer.arrangement);
     const { map, pane } = renderer.rects;
-    if (view.tab === '3d' && pane.width) Object.assign(pane, { left: pane.left - map.width, width: pane.width + map.width }, (map.width = 0)); // the hole alone
+    if (view.tab === '3d' && pane.width) Object.assign(pane, { left: 0, width: SLIDE.width }, (map.width = 0)); // the hole alone
     renderer.gpu?.resize(SLIDE.width, SLIDE.height - band);
     if (!view.eye.length) renderer.aim(SLIDE_CLEAR); // all of the section is seen on the slide, too
   }
@@ -86,7 +87,7 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
     ink.drawImage(inks, 0, 0, inks.clientWidth, inks.clientHeight);
   }
   ink.translate(inks.clientWidth, 0);
-  if (side) drawSide(ink, look, planes, height - band);
+  if (side) drawSide(ink, look, planes, side, height - band);
   delete inks.slide;
   Object.assign(view, { cursor, pinned, ahead });
   picking.selected = selected;
@@ -107,13 +108,34 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
 }
 
 /** @param {View} view @param {Planes} planes */
-const sideOf = (view, { kept, boxes }) => ([...kept, ...boxes].some(({ depth }) => depth >= view.top && depth <= view.bottom) ? NET.width : 0);
+const inView = (view, { kept, boxes }) => [...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).sort((a, b) => a.depth - b.depth);
 
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} height */
-function drawSide(ink, look, planes, height) {
-  const words = drawNet({ ink, ...NET }, look, planes, false);
-  inLines(ink, words, NET.width - 16).forEach((text, i) => label(ink, text, NET.width / 2, NET.height + 14 * i, { colour: PALETTES[look.view.theme].soft, align: 'center', font: SMALL }));
-  listPicks(ink, look, planes, height);
+// Return how wide the part with the picks is beside a picture; 0 without any in view.
+/** @param {View} view @param {Planes} planes @param {number} width @param {number} height */
+const sideOf = (view, planes, width, height) => (inView(view, planes).length ? Math.round(Math.min(SIDE.most, Math.max(SIDE.least, SIDE.share * height - width))) : 0);
+
+// Draw the stereonet, the rose and the picks in view, which together fill the height: symbol, depth, class, dip and azimuth of as many
+// as there is room for.
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} width @param {number} height */
+function drawSide(ink, look, planes, width, height) {
+  const { view, path } = look;
+  const palette = PALETTES[view.theme];
+  const shown = inView(view, planes);
+  const dials = Math.round(Math.min(2 * width, Math.max(0.55 * height, height - ROW * shown.length - WORDS)));
+  const words = inLines(ink, drawNet({ ink, width, height: dials }, look, planes, false), width - 16);
+  words.forEach((text, i) => label(ink, text, width / 2, dials + 10 + 14 * i, { colour: palette.soft, align: 'center', font: SMALL }));
+  const first = dials + 24 + 14 * words.length;
+  const room = Math.max(0, Math.floor((height - first - 10) / ROW));
+  const wide = width >= 300; // the class has room
+  shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
+    const y = first + ROW * i;
+    if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
+    const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
+    const angles = known ? `${one.dip.toFixed(0)}° toward ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
+    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [wide ? one.kind : '', 116, 'left'], [angles, width - 14, 'right']]);
+    for (const [text, x, align] of row) if (text) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
+  });
+  if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 36, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
 }
 
 // Return the 3-D view with the picks beside it as a PNG, to be printed; null without one.
@@ -124,9 +146,9 @@ export function paneOf({ renderer, view, picking, repaint }, sharpen) {
   const inks = byId('ink');
   const planes = picking.planes();
   const look = renderer.look();
-  const width = rect.width + sideOf(view, planes);
   const top = HEAD; // the controls stand above
-  const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: FINE * width, height: FINE * (rect.height - top), labels: [], strokes: [] });
+  const side = sideOf(view, planes, rect.width, rect.height - top);
+  const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: FINE * (rect.width + side), height: FINE * (rect.height - top), labels: [], strokes: [] });
   const ink = pen(canvas);
   sharpen(FINE);
   renderer.drawInk(look);
@@ -135,27 +157,9 @@ export function paneOf({ renderer, view, picking, repaint }, sharpen) {
   for (const layer of [gpu.canvas, inks]) ink.drawImage(layer, -rect.left, -top, inks.clientWidth, inks.clientHeight);
   ink.translate(rect.width, 0);
   ink.fillStyle = PALETTES[view.theme].paper;
-  ink.fillRect(0, 0, NET.width, rect.height);
-  if (width > rect.width) drawSide(ink, look, planes, rect.height - top);
+  ink.fillRect(0, 0, side, rect.height);
+  if (side) drawSide(ink, look, planes, side, rect.height - top);
   sharpen(0);
   repaint();
   return new Promise((done) => canvas.toBlob(done));
-}
-
-// List the picks in view below the stereonet, as many as there is room for: symbol, depth, class, dip and azimuth.
-/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} height */
-function listPicks(ink, { view, path }, { kept, boxes }, height) {
-  const palette = PALETTES[view.theme];
-  const shown = [...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).sort((a, b) => a.depth - b.depth);
-  const first = NET.height + 46;
-  const room = Math.max(0, Math.floor((height - first - 10) / ROW));
-  shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
-    const y = first + ROW * i;
-    if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
-    const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
-    const angles = known ? `${one.dip.toFixed(0)}° toward ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
-    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [one.kind, 116, 'left'], [angles, NET.width - 14, 'right']]);
-    for (const [text, x, align] of row) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
-  });
-  if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 116, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
 }

@@ -80,6 +80,7 @@ interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; oldBit: boolean; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
   imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; intervals: NamedInterval[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
   held?: Plane; // the plane that the held cursor is on
+  light?: Quantity; // the image whose contrast is seen from inside under the colours of radii
 }
 interface Curtain extends Look { from: number } // the image over the first one, from a share of its width on
 interface Looks extends Look { images: Look[]; curtain: Curtain | null } // the first image, and those beside it

@@ -139,11 +139,6 @@ export class View extends Settings {
     if (byHand || !this.turned) this.#change({ turn: ((turn % 360) + 360) % 360, turned: byHand });
   }
 
-  nextCamera() {
-    const all = /** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS));
-    this.#change({ camera: all[(all.indexOf(this.camera) + 1) % all.length] });
-  }
-
   // Show the hole over the full width, or beside the tracks; on a narrow screen these are tabs.
   toggleWhole() {
     this.#change({ tab: this.tab === '3d' ? 'log' : '3d' });

@@ -35,7 +35,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
   const words = { ...foot, left: rect.left + rect.width - wide, right: rect.left + rect.width, top: rect.height - 6 - 16 * lines.length };
   const at = labels.push(foot, words) - 2;
   if (outside) outsideInk(ink, look, gpu, calipers, planes, palette, words);
-  else drawInsideInk(ink, look, gpu, planes, rect.width > 500 ? 16 * lines.length : 88); // 88: the compass
+  else drawInsideInk(ink, look, gpu, planes, (rect.width > 500 ? 16 * lines.length : 88) + rects.wall.height - rect.height); // 88: the compass
   if (path.surveyed && outside && rect.width > 300) drawMaps(ink, look, gpu, planes);
   labels.splice(at, 2);
   if (path.surveyed) compass(ink, gpu, rect, palette);
@@ -70,6 +70,7 @@ function inWords(look, planes, tube, slide) {
   if (outside && store.plan.length) words.push(...planInWords(look));
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
+  if (!outside && look.light) words.push(`dark and light by ${look.light.name}`);
   return words;
 }
 
