@@ -21,6 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int number_bits = 9;                      // enough for the neighbours of a group
 constexpr double large_noise = 0.25;                // of the variance of the long term
 constexpr std::size_t beside = 8;                   // neighbours with which one is compared
+constexpr Index burst = 8;                          // samples before and after one that may be wrong with it
 constexpr double most_off = 2.5;                    // deviations of the noise
 constexpr double share = 0.35, small_share = 0.25;  // of the lengths of the long term: the size of a cell
 
@@ -321,8 +322,9 @@ void NearFar::judge(Scratch& scratch) const {
         } near[beside];  // the nearest so far, in order
         std::size_t found = 0;
         for (std::size_t other = 0; other < count; ++other) {
-            if (other == k || !single(other)) continue;
+            if (!single(other)) continue;
             const kernel::Candidate& of = scratch.members[starts[other]];
+            if (std::abs(of.rank - own.rank) <= burst) continue;
             const double along = of.depth - own.depth;
             const double turned = of.toolface - own.toolface - rule_.turn * along;
             const double across = short_stretch_ * degree * (turned - 360.0 * nearest_whole(turned * (1.0 / 360.0)));

@@ -17,7 +17,8 @@
 //
 // With Settings::robust, a neighbour that lies beyond the second greatest or the second least radius of the eight
 // others that are nearest to it in the short metric, by more than 2.5 deviations of the noise, has more noise: the
-// square of its distance from their middle is added. So a spike hardly counts. Means are not judged.
+// square of its distance from their middle is added. So a spike hardly counts. The eight samples before and after it in
+// canonical order are none of these: a tool often errs several times in a row. Means are not judged.
 #pragma once
 
 #include <memory>

@@ -130,8 +130,9 @@ class Settings(Declared, group="wall"):
     ] = None  # fmt: skip
     robust: Annotated[bool,
         "'near-and-far': a sample that lies beyond the radii of the eight samples beside it by more than 2.5 "
-        "deviations of the noise hardly counts; of the eight, the greatest and the least do not count. 'automatic' "
-        "sets it where more than three of 400 samples of a tool that measures all around are spikes.",
+        "deviations of the noise hardly counts; of the eight, the greatest and the least do not count, and none is one "
+        "of the eight samples before and after it in order of depth. 'automatic' sets it where more than three of 400 "
+        "samples of a tool that measures all around are spikes.",
     ] = False  # fmt: skip
     arm_biases: Annotated[tuple[float, ...] | None, BIASES,
         "How much the radii of the tool's arms 0, 1, ... are too large (m). `Wall.append` subtracts it from samples "

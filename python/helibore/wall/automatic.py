@@ -153,7 +153,9 @@ def _by_samples_left_out(
 ) -> Choice:
     """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
 
-    The errors are those at samples that are left out with an empty box around them, less the variance of noise.
+    They are also chosen if they are robust: samples that are left out, which may be spikes too, do not show how far an
+    estimator follows spikes. The errors are those at samples that are left out with an empty box around them, less the
+    variance of noise.
     """
     noise = covariance_of(full.covariance or ()).noise
     if full.robust:  # a spike shows no error
@@ -165,7 +167,7 @@ def _by_samples_left_out(
     off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
     names = ("inverse-distance", tuned.estimator, "near-and-far")
     expected = np.sqrt(np.maximum(off[[1, 0, 2]] ** 2 - noise, 0.01 * noise))
-    return Choice(full if gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
+    return Choice(full if full.robust or gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
 def near_and_far(likely: Likely, settings: Settings) -> Settings:

@@ -18,6 +18,7 @@ from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term, likely_by
 from helibore.wall.estimates import Boxes, Columns, in_core
+from helibore.wall.spikes import BURST
 
 SHARE, SMALL_SHARE = 0.35, 0.25
 """Size of the cell of a far neighbour, as a share of the lengths of the long term; the small one where noise is large.
@@ -26,7 +27,7 @@ _LARGE_NOISE = 0.25
 _MOST_AVERAGED = 32
 _BESIDE, _MOST_OFF = 8, 2.5
 """`Settings.robust`: neighbours with which one is compared, and deviations of the noise by which it may differ. Also in
-`near_far.cpp`."""
+`near_far.cpp`; so is `BURST`."""
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
 
@@ -44,6 +45,7 @@ class Neighbours(NamedTuple):
     toolface: Floats
     radius: Floats
     members: Floats  # number of samples of each
+    row: Floats  # of the first sample of each
 
 
 class Places:
@@ -89,7 +91,7 @@ class Places:
     def of_rows(self, rows: Integers) -> Neighbours:
         """Return samples as neighbours."""
         depth, toolface, radius = self.samples
-        return Neighbours(depth[rows], toolface[rows], radius[rows], np.ones(rows.size))
+        return Neighbours(depth[rows], toolface[rows], radius[rows], np.ones(rows.size), 1.0 * rows)
 
     def across(self, toolface: Floats, at: float) -> Floats:
         """Return the arc lengths from toolfaces to another, metres."""
@@ -146,14 +148,12 @@ class Places:
         counts = (stops - starts)[within]
         begins = np.cumsum(counts) - counts
         of_cells = rows[np.repeat(starts[within] - begins, counts) + np.arange(counts.sum())]
-        leads = np.repeat(leads[within], counts)
+        heads, leads = leads[within], np.repeat(leads[within], counts)
         down = depth[of_cells] - depth[leads]
         turn = (toolface[of_cells] - toolface[leads] - self.covariance.turn * down + 180.0) % 360.0 - 180.0
         means = [np.add.reduceat(of, begins) / counts for of in (down, turn, radius[of_cells])]
-        at = depth[leads[begins]] + means[0]
-        return Neighbours(
-            at, toolface[leads[begins]] + means[1] + self.covariance.turn * means[0], means[2], 1.0 * counts
-        )
+        at = depth[heads] + means[0], toolface[heads] + means[1] + self.covariance.turn * means[0]
+        return Neighbours(*at, means[2], 1.0 * counts, 1.0 * heads)
 
     def between(self, of: Neighbours) -> Floats:
         """Return the covariances of neighbours with each other, noise included, (n, n) or (m, n, n)."""
@@ -205,13 +205,13 @@ class Places:
         short = self.covariance.terms[0]
         across = np.radians(turned) * self.covariance.radius
         square = (short.along / short.around * across) ** 2 + along**2
-        square[:, np.arange(used.shape[1]), np.arange(used.shape[1])] = np.inf
-        square = np.where(single[:, None], square, np.inf)
+        in_burst = np.abs(of.row[:, :, None] - of.row[:, None]) <= BURST
+        square = np.where(single[:, None] & ~in_burst, square, np.inf)
         near = np.argpartition(square, _BESIDE - 1, axis=-1)[..., :_BESIDE]
         beside = np.sort(np.take_along_axis(of.radius[:, None], near.reshape(len(near), 1, -1), -1).reshape(near.shape))
         low, high = beside[..., 1], beside[..., -2]
         off = np.maximum(of.radius - high, low - of.radius) > _MOST_OFF * np.sqrt(self.covariance.noise)
-        judged = single & (single.sum(axis=1, keepdims=True) > _BESIDE) & off
+        judged = single & (np.isfinite(square).sum(axis=-1) >= _BESIDE) & off
         return np.where(judged, (of.radius - 0.5 * (low + high)) ** 2, 0.0)
 
     def square_error(self, of: Neighbours, weights: Floats, place: Place) -> float:

@@ -77,10 +77,10 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
             shapes[0] = np.exp(-(a[0] ** 2) / 6.0)
         return np.asarray(sum(term[0] * shape for term, shape in zip(terms, shapes, strict=True)))
 
-    def differing(angles: Floats, down: Floats, value: Floats, single: Floats) -> Floats:
+    def differing(first: Floats, angles: Floats, down: Floats, value: Floats, single: Floats) -> Floats:
         added, alone = np.zeros(value.size), np.flatnonzero(single)
         for row in alone:
-            others = alone[alone != row]
+            others = alone[np.abs(first[alone] - first[row]) > 8]
             along = down[others] - down[row]
             across = arcs(angles[others] - turns * along, angles[row], at) * terms[0][2] / terms[0][1]
             beside = value[others[np.lexsort((others, across**2 + along**2))[:8]]]
@@ -111,7 +111,8 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
         )
         matrix = np.ones((n + 1, n + 1))
         matrix[n, n] = 0.0
-        added = differing(angles, down, value, count == 1) if settings.robust else np.zeros(n)
+        first = np.array([of[0] for of in members])
+        added = differing(first, angles, down, value, count == 1) if settings.robust else np.zeros(n)
         matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count + added)
         toward = np.append(covariance(angles - angle, down - place), 1.0)
         weights = np.linalg.solve(matrix, toward)
@@ -321,6 +322,16 @@ def test_a_robust_wall_hardly_follows_a_spike_and_stays_as_it_is_without_one() -
     assert off[2].max() > 2e-3
     assert off[3].max() < 4e-4
     assert np.sqrt(np.mean(off[1] ** 2)) < 1.05 * np.sqrt(np.mean(off[0] ** 2))
+
+
+def test_a_robust_wall_hardly_follows_eight_bad_samples_in_a_row() -> None:
+    depth, toolface = np.arange(3200) * (0.02 / 32), np.arange(3200) * 11.25 % 360.0
+    radius = 0.11 + 1e-4 * np.random.default_rng(1).normal(size=depth.size)
+    for first in range(100, 3100, 170):
+        radius[first : first + 8] += 0.01
+    off = [np.abs(near_and_far((depth, toolface, radius), robust=robust).radius - 0.11) for robust in (False, True)]
+    assert off[0].max() > 5e-3
+    assert off[1].max() < 5e-4
 
 
 def test_samples_of_a_cell_lower_the_kriging_variance_where_noise_is_large() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from reference import Floats
@@ -51,15 +53,68 @@ def test_radii_in_steps_and_samples_at_one_place_have_no_spikes(measured: tuple[
     assert not has_spikes((depth[:5], toolface[:5], radius[:5]))
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_edges_of_short_breakouts_are_no_spikes_of_a_tool_with_few_samples(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    depth, toolface = np.sort(rng.uniform(0.0, 40.0, 3200)), rng.uniform(0.0, 360.0, 3200)
-    off = (toolface - 70.0 + 90.0) % 180.0 - 90.0
-    radius = 0.109 + rng.normal(0.0, 4e-4, 3200)
+def short_breakouts(depth: Floats, toolface: Floats) -> Floats:
+    """Three short breakouts."""
+    off, worn = (toolface - 70.0 + 90.0) % 180.0 - 90.0, 0.0 * depth
     for middle, height in ((12.0, 1.5), (23.0, 0.6), (32.0, 3.0)):
-        radius += 0.018 * np.exp(-((off / 20.0) ** 2)) * (np.abs(depth - middle) < height / 2)
-    assert not has_spikes((depth, toolface, radius))
+        worn += 0.018 * np.exp(-((off / 20.0) ** 2)) * (np.abs(depth - middle) < height / 2)
+    return worn
+
+
+def pits(depth: Floats, toolface: Floats) -> Floats:
+    """Forty pits of 10 cm, most of which one sample sees."""
+    rng, worn = np.random.default_rng(7), 0.0 * depth
+    for middle, at in rng.uniform((0.0, 0.0), (40.0, 360.0), (40, 2)):
+        worn += 0.012 * ((np.abs(depth - middle) < 0.05) & (np.abs((toolface - at + 180.0) % 360.0 - 180.0) < 6.0))
+    return worn
+
+
+def steps(depth: Floats, toolface: Floats) -> Floats:
+    """A ledge in each metre or so."""
+    rng = np.random.default_rng(8)
+    ledges = np.cumsum(rng.uniform(0.3, 1.5, 100))
+    return np.asarray(rng.uniform(0.0, 0.015, 101)[np.searchsorted(ledges, depth)] + 0.0 * toolface)
+
+
+def sharp_key_seat(depth: Floats, toolface: Floats) -> Floats:
+    """A key seat of 30 mm."""
+    return np.asarray(0.03 * np.exp(-(((toolface - 180.0) / 15.0) ** 2)) + 0.0 * depth)
+
+
+@pytest.mark.parametrize("radius", [0.078, 0.109, 0.156])
+@pytest.mark.parametrize("event", [short_breakouts, pits, steps, sharp_key_seat])
+def test_what_few_samples_show_of_a_hole_is_no_spike(event: Callable[..., Floats], radius: float) -> None:
+    rng = np.random.default_rng(1)
+    for count in (3200, 6000):  # at random toolfaces
+        at = np.sort(rng.uniform(0.0, 40.0, count)), rng.uniform(0.0, 360.0, count)
+        assert not has_spikes((*at, radius + event(*at) + rng.normal(0.0, NOISE, count)))
+    depth = np.arange(16000) / 400.0
+    toolface = np.arange(16000) * 22.5 % 360.0
+    assert not has_spikes((depth, toolface, radius + event(depth, toolface) + rng.normal(0.0, NOISE, 16000)))
+
+
+@pytest.mark.parametrize("radius", [0.078, 0.156])
+@pytest.mark.parametrize("in_turns", [False, True])
+def test_bursts_of_bad_samples_are_spikes_in_slim_and_wide_holes(radius: float, in_turns: bool) -> None:
+    rng = np.random.default_rng(2)
+    depth, toolface = np.arange(6000) / 150.0, np.arange(6000) * 22.5 % 360.0
+    if not in_turns:
+        toolface = rng.uniform(0.0, 360.0, 6000)
+    truth = radius + 0.003 * np.cos(np.radians(2.0 * toolface + 5.0 * depth))
+    measured = truth + rng.normal(0.0, NOISE, 6000)
+    bad = np.zeros(6000, bool)
+    for first in rng.integers(0, 5994, 40):
+        bad[first : first + 6] = True
+    measured[bad] += rng.uniform(0.003, 0.015)
+    found, _ = find_spikes((depth, toolface, measured), np.arange(6000))
+    assert np.mean(found[bad]) > 0.5
+    assert np.mean(found[~bad]) < 0.002
+    errors = []
+    for estimator in ("automatic", "inverse-distance"):
+        wall = hb.reconstruct(hb.Caliper(depth, toolface, measured), bit_diameter=2.0 * radius, estimator=estimator)
+        true = radius + 0.003 * np.cos(np.radians(2.0 * wall.toolface + 5.0 * wall.depth))
+        errors.append(float(np.sqrt(np.mean((wall.radius - true) ** 2))))
+    assert errors[0] < 0.6 * errors[1]
 
 
 def test_a_tool_with_spikes_gets_a_robust_wall_whose_settings_repeat_it(measured: tuple[Floats, ...]) -> None:
