@@ -91,7 +91,7 @@ class Places:
     def of_rows(self, rows: Integers) -> Neighbours:
         """Return samples as neighbours."""
         depth, toolface, radius = self.samples
-        return Neighbours(depth[rows], toolface[rows], radius[rows], np.ones(rows.size), 1.0 * rows)
+        return Neighbours(depth[rows], toolface[rows], radius[rows], np.ones(rows.size), rows.astype(np.float64))
 
     def across(self, toolface: Floats, at: float) -> Floats:
         """Return the arc lengths from toolfaces to another, metres."""
@@ -153,7 +153,7 @@ class Places:
         turn = (toolface[of_cells] - toolface[leads] - self.covariance.turn * down + 180.0) % 360.0 - 180.0
         means = [np.add.reduceat(of, begins) / counts for of in (down, turn, radius[of_cells])]
         at = depth[heads] + means[0], toolface[heads] + means[1] + self.covariance.turn * means[0]
-        return Neighbours(*at, means[2], 1.0 * counts, 1.0 * heads)
+        return Neighbours(*at, means[2], counts.astype(np.float64), heads.astype(np.float64))
 
     def between(self, of: Neighbours) -> Floats:
         """Return the covariances of neighbours with each other, noise included, (n, n) or (m, n, n)."""
