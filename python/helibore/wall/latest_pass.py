@@ -1,7 +1,7 @@
 """The wall as the last pass saw it: of hole that was scanned again and has changed, without the samples of before.
 
-    samples -> row of 0.25 m -> its latest scan, and what was there before -> median of the changes by direction
-                                                   |-> 1 mm and 3 standard errors: what was there before is left out
+    samples -> row of 0.25 m -> its passes: the tool turned back, or came back -> median of the changes by direction
+                                    |-> 1 mm and 3 standard errors: what the latest pass saw again is left out
     radii in order of time -> one value 50 times in a row: the tool was stuck, and has measured nothing
 
 A wall takes all samples. Where a hole was reamed between two passes, its radii lie between the sizes that both saw, and
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
@@ -22,11 +23,9 @@ from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
 ROW, SECTORS = 0.25, 16
-"""Metres of a row, and its directions."""
-PAUSE = 15.0
-"""Seconds without a sample in a row after which another scan of it begins."""
+"""Metres of a row, and its directions; by more than a row the tool must move back for another pass."""
 LEAST_SECTORS = 4
-"""Directions that the latest scan and those before must have in common."""
+"""Directions that the latest pass and those before must have in common."""
 CHANGED, ERRORS = 0.001, 3.0
 """Metres and standard errors by which the wall must have moved."""
 STUCK, STUCK_ROUNDED, ROUNDED = 50, 600, 0.2
@@ -36,7 +35,7 @@ BESIDE, AROUND = 1.0, 4.0
 
 
 def latest_pass(wall: WallState, was_stuck: bool = False) -> WallState:
-    """Return a wall whose samples have times without those of before the latest scan; of a stuck tool, if it ever was.
+    """Return a wall whose samples have times without those of before the latest pass; of a stuck tool, if it ever was.
 
     Hole that is made up may have one radius, so only who watched the tool says that it ``was_stuck``.
     """
@@ -87,26 +86,35 @@ def _drawn_again(wall: WallState, columns: tuple[Floats, ...], first: int, stop:
 
 
 def superseded(depth: Floats, toolface: Floats, radius: Floats, time: Floats) -> Mask:
-    """Return which samples a later scan of their row contradicts."""
+    """Return which samples a later pass of their row contradicts, where it measured that depth again."""
     row = np.floor(depth / ROW).astype(np.int64)
-    order = np.lexsort((time, row))
-    rows, times = row[order], time[order]
-    begins = np.flatnonzero((np.diff(rows, prepend=rows[0] - 1) != 0) | (np.diff(times, prepend=times[0]) > PAUSE))
-    stops = np.append(begins[1:], len(rows))
-    of = rows[begins]
-    last = np.flatnonzero(np.diff(of, append=of[-1] + 1) != 0)  # the latest scan of each row
+    by_time = np.argsort(time, kind="stable")
+    passes = np.empty(len(depth), np.int64)
+    passes[by_time] = _core.number_passes(depth[by_time], ROW)
+    if not passes.any():
+        return np.zeros(len(depth), bool)
+    low, high = np.full(passes.max() + 1, np.inf), np.full(passes.max() + 1, -np.inf)
+    np.minimum.at(low, passes, depth)
+    np.maximum.at(high, passes, depth)
+    order = np.lexsort((passes, row))
+    changes = [np.diff(of[order], prepend=of[order[0]] - 1) != 0 for of in (row, passes)]
+    begins = np.flatnonzero(changes[0] | changes[1])
+    stops = np.append(begins[1:], len(order))
+    of = row[order[begins]]
+    last = np.flatnonzero(np.diff(of, append=of[-1] + 1) != 0)  # the latest pass of each row
     first = np.append(0, last[:-1] + 1)
     found = np.zeros(len(depth), bool)
     sector = np.floor(toolface % 360 / (360 / SECTORS)).astype(np.int64) % SECTORS
     for a, b in zip(first[first < last].tolist(), last[first < last].tolist(), strict=True):
         old, new = order[begins[a] : begins[b]], order[begins[b] : stops[b]]
+        old = old[(depth[old] >= low[passes[new[0]]]) & (depth[old] <= high[passes[new[0]]])]
         if _differ(sector[old], radius[old], sector[new], radius[new]):
             found[old] = True
     return found
 
 
 def _differ(old: Integers, before: Floats, new: Integers, now: Floats) -> bool:
-    """Return whether the radii of two scans differ by more than their errors, in the median of the directions."""
+    """Return whether the radii of two passes differ by more than their errors, in the median of the directions."""
     counts = [np.bincount(at, minlength=SECTORS) for at in (old, new)]
     both = np.minimum(*counts) > 0
     if np.count_nonzero(both) < LEAST_SECTORS:

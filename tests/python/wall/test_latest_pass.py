@@ -44,6 +44,22 @@ def test_reamed_hole_has_the_size_of_the_last_scan_and_other_hole_its_bits():
     assert latest_pass(again) is again, "two scans that agree are one"
 
 
+@pytest.mark.parametrize("group", [1, 30], ids=["each sample has its time", "a record has one"])
+def test_hole_that_is_measured_again_at_once_while_it_is_reamed_has_its_new_size(group):
+    """The tool passes the place, turns 2.5 m below it, and is back after 6 seconds; above it turns 0.5 m inside."""
+    down, up = scan(1000, 1014, 0.0, 0.206, 1), scan(1011, 1014, 0.0, 0.214, 2)
+    times = np.arange(down[0].size + up[0].size) / 120
+    up = tuple(column[::-1] for column in up[:3])
+    columns = [np.concatenate(both) for both in zip(down[:3], up, strict=True)]
+    last = latest_pass(drawn((*columns, times // (group / 120) * (group / 120)))._state())
+    depth = last.start_depth + np.arange(last.radius.size) * last.settings.pitch / last.settings.sectors
+    seen = (depth > 1011.2) & (depth < REAMED[1] - 0.2)
+    assert 2 * np.median(last.radius[seen]) == pytest.approx(0.214, abs=0.0002)
+    assert 2 * np.std(last.radius[seen]) < 0.0006, "nothing of the size before is left"
+    before = (depth > REAMED[0] + 0.2) & (depth < 1010.8)
+    assert 2 * np.median(last.radius[before]) == pytest.approx(0.206, abs=0.0002), "nobody has measured it again"
+
+
 def test_a_wall_without_its_sums_has_an_uncertainty_of_as_many_vertices():
     wall = hb.Wall(bit_diameter=BIT, max_distance=0.5)
     for columns in scan(1000, 1002, 0.0, 0.206, 1), scan(1000.1, 1020, 100.0, 0.206, 2):
