@@ -40,6 +40,7 @@ def test_no_map_comes_near_the_grey_of_what_is_missing(name: str) -> None:
     assert away.min() > 15, "a just noticeable difference is about 2"
 
 
+ZONES = json.loads((WEB.parents[1] / "base" / "color_maps.json").read_text())["zones"]
 DIVERGING = ("difference", "over-bit", "over-bit-dark")
 
 
@@ -50,6 +51,26 @@ def test_both_sides_of_the_bit_keep_their_order_for_weak_eyes(name: str, weaknes
     steps = np.diff(lab(seen)[:, 0]) * (-1 if name == "over-bit" else 1)
     assert (steps[:15] < 0.5).all()
     assert (steps[15:] > -0.5).all()
+
+
+@pytest.mark.parametrize("name", DIVERGING[1:])
+def test_hole_that_is_tight_is_no_fainter_than_hole_that_is_wide_by_as_much(name: str) -> None:
+    light = lab(linear(color_table(name, 101)))[:, 0]
+    away = abs(light - light[50])
+    assert (away[50::-1] >= away[50:] - 0.5).all(), "the string sticks in the tight one"
+    assert away[31] > 1.2 * away[69], "tight hole differs by less from the bit than wide hole does"
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_zones_that_are_tight_are_no_fainter_than_those_that_are_wide(dark: bool) -> None:
+    paper = 0.0091 if dark else 0.91  # luminance of the page, #14181c and #f4f5f6
+
+    def contrast(kind: str) -> float:
+        color = np.array(list(bytes.fromhex(ZONES[kind][dark])))
+        luminance = float(linear(color) @ [0.2126, 0.7152, 0.0722])
+        return (max(luminance, paper) + 0.05) / (min(luminance, paper) + 0.05)
+
+    assert contrast("undergauge") >= contrast("washout")
 
 
 @pytest.mark.parametrize("name", [name for name in COLOR_MAPS if name not in DIVERGING])
