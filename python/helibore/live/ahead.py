@@ -57,6 +57,8 @@ SURE = 3.0
 """Standard uncertainties by which a body is too thick for hole that is less tight than the limit, and sticks there."""
 TRUENESS = 0.001
 """Metres by which it is too thick at least: by so much the diameters of a caliper may be off all over."""
+FAR = 1e6
+"""Metres above or below all hole."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
 """Solving takes at most one part in so many of a processor's time, for a tripped bit and for another."""
 
@@ -64,8 +66,9 @@ SHARE, SHARE_AT_REST = 20.0, 100.0
 class Place(NamedTuple):
     """A tight place: its ends, what passes at most of the body that sticks most, when the string sticks, and where.
 
-    ``sticks_at`` is the depth of the bit at which the string begins to stick there, by the body ``first``;
-    ``tightest`` is that at which it is tightest, and ``body`` the number of the body that sticks there. Metres.
+    Ends and size are those of the whole place, whichever way the string comes from. ``sticks_at`` is the depth of the
+    bit at which the string begins to stick there, by the body ``first``; ``tightest`` is that at which it is tightest,
+    and ``body`` the number of the body that sticks there. Metres.
     """
 
     top: float
@@ -94,9 +97,7 @@ class TightAhead:
     diameter, needed
         The greatest diameter of this body that would pass, and its own, metres.
     places
-        The number of tight places on this side.
-    nearest, worst
-        That at which the string sticks first, and the tightest.
+        The tight places on this side, from that at which the string sticks first.
     text
         This place in words, without what changes as the bit comes nearer.
     """
@@ -109,9 +110,7 @@ class TightAhead:
     diameter: float
     needed: float
     text: str
-    places: int
-    nearest: Place
-    worst: Place
+    places: tuple[Place, ...]
 
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
@@ -167,6 +166,7 @@ class Ahead:
         self._string: tuple[RigidBody, ...] = ()
         self._counts: tuple[float, ...] = ()
         self._bodies: list[_Tight] = []
+        self._whole: list[Place] = []  # the tight places of all bodies, from above
         self._seen: list[tuple[float, float]] = []  # ends of the hole that is sampled, from above
         self._seen_to = math.inf  # the depth below which it was not looked for, though the wall goes on
         self.outlook: Outlook | None = None
@@ -253,6 +253,9 @@ class Ahead:
         found = [ends for of in self._bodies for ends in of.ends()]
         for of in self._bodies:
             of.stick_at(found)
+        ways = (-FAR, False), (FAR, True)
+        whole = [one for bit, up in ways for of in self._bodies for one in of.places(bit, 2 * FAR, up)]
+        self._whole = _joined(whole, string)
 
     def _narrow(
         self, stretch: WallState, sigma: Floats | None, body: RigidBody, *thin: float
@@ -274,10 +277,9 @@ class Ahead:
 
     def _look_around(self, bit: float, ahead: float, moving: str) -> Outlook:
         up, down = ([of.places(bit, ahead, up) for of in self._bodies] for up in (True, False))
-        sides = _side(up, self._string, bit, up=True), _side(down, self._string, bit, up=False)
+        sides = self._side(up, bit, up=True), self._side(down, bit, up=False)
         self._beyond = tuple(
-            _side([of.places(bit, ahead, up, "beyond") for of in self._bodies], self._string, bit, up)
-            for up in (True, False)
+            self._side([of.places(bit, ahead, up, "beyond") for of in self._bodies], bit, up) for up in (True, False)
         )
         at = tuple((_first(above, up=True), _first(below, up=False)) for above, below in zip(up, down, strict=True))
         at = at or ((None, None),) * len(self._string)
@@ -287,6 +289,30 @@ class Ahead:
         unseen = tuple(self._unseen(body, bit, bottom, room, of) for body, of in zip(self._string, at, strict=True))
         doubtful = tuple(tuple(of.doubt(bit, ahead, up) for up in (True, False)) for of in self._bodies)
         return Outlook(*sides, at, moving, self._counts, unseen, doubtful)
+
+    def _side(self, places: Sequence[Sequence[Place]], bit: float, up: bool) -> TightAhead | None:
+        """Return what is tight above or below the bit, from the places of each body; None if nothing is.
+
+        The string begins to stick in a place as the body does that meets it first.
+        """
+        string, met, found = self._string, [one for of_body in places for one in of_body], list[Place]()
+        for whole in self._whole:
+            if of := [one for one in met if one.top <= whole.bottom and whole.top <= one.bottom]:
+                first = (max if up else min)(of, key=lambda one: one.sticks_at)
+                worst = max(of, key=lambda one: string[one.body].diameter - one.passes)
+                found.append(Place(*whole[:3], first.sticks_at, first.first, worst.tightest, worst.body))
+        if not found:
+            return None
+        found.sort(key=lambda one: one.sticks_at, reverse=up)
+        nearest, body = found[0], string[found[0].body]
+        needed = f"the {_name(body, nearest.body)} has {1e3 * body.diameter:.1f} mm"
+        ends = f"from {nearest.top:.1f} to {nearest.bottom:.1f} m"
+        text = f"tight hole {'above' if up else 'below'} the bit at {bit:.1f} m: {ends}"
+        text += f" {1e3 * nearest.passes:.1f} mm pass at most, {needed}"
+        return TightAhead(
+            nearest.sticks_at, up, nearest.top, nearest.bottom, nearest.first, nearest.passes, body.diameter, text,
+            tuple(found),
+        )  # fmt: skip
 
     def _unseen(
         self, body: RigidBody, bit: float, bottom: float, room: tuple[float, float],
@@ -477,37 +503,14 @@ def _first(places: Sequence[Place], up: bool) -> float | None:
     return (max if up else min)((place.sticks_at for place in places), default=None)
 
 
-def _side(places: Sequence[Sequence[Place]], string: Sequence[RigidBody], bit: float, up: bool) -> TightAhead | None:
-    """Return what is tight above or below the bit, from the places of each body; None if nothing is."""
-    joined = _joined([place for of_body in places for place in of_body], string, up)
-    if not joined:
-        return None
-    nearest = (max if up else min)(joined, key=lambda place: place.sticks_at)
-    worst = max(joined, key=lambda place: string[place.body].diameter - place.passes)
-    body = string[nearest.body]
-    needed = f"the {_name(body, nearest.body)} has {1e3 * body.diameter:.1f} mm"
-    ends = f"from {nearest.top:.1f} to {nearest.bottom:.1f} m"
-    text = f"tight hole {'above' if up else 'below'} the bit at {bit:.1f} m: {ends}"
-    text += f" {1e3 * nearest.passes:.1f} mm pass at most, {needed}"
-    return TightAhead(
-        nearest.sticks_at, up, nearest.top, nearest.bottom, nearest.first, nearest.passes, body.diameter, text,
-        len(joined), nearest, worst,
-    )  # fmt: skip
-
-
-def _joined(places: Sequence[Place], string: Sequence[RigidBody], up: bool) -> list[Place]:
-    """Return the places that overlap or nearly do as one, as tight as the tightest: bodies stick there in turn.
-
-    The string begins to stick there as the body does that meets it first.
-    """
+def _joined(places: Sequence[Place], string: Sequence[RigidBody]) -> list[Place]:
+    """Return the places that overlap or nearly do as one, as tight as the tightest: bodies stick there in turn."""
     found: list[Place] = []
     for place in sorted(places):
         if not (found and place.top <= found[-1].bottom + APART):
             found.append(place)
             continue
         last = found.pop()
-        first = (max if up else min)(last, place, key=lambda one: one.sticks_at)
         worst = max(last, place, key=lambda one: string[one.body].diameter - one.passes)
-        bottom = max(last.bottom, place.bottom)
-        found.append(worst._replace(top=last.top, bottom=bottom, sticks_at=first.sticks_at, first=first.first))
+        found.append(worst._replace(top=last.top, bottom=max(last.bottom, place.bottom)))
     return found

@@ -131,7 +131,7 @@ class Feed:
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
         limits = criteria or Criteria()
-        self.scene.update_state(limits=(limits.washout, limits.elongation))
+        self.scene.update_state(limits=(limits.washout, limits.elongation, limits.undergauge))
         self.scene.summarize, self.scene.write_logs, self.scene.path = self._summarize, self._write_logs, path
         if hasattr(wall, "surface"):
             self.scene.write_mesh = self._write_mesh
@@ -437,7 +437,7 @@ class Feed:
         return {**name, **numbers, "at_most": found.at_most, "short": round(short, 2)}
 
     def find_chances_ahead(self) -> None:
-        """Set how sure the nearest and the worst tight places above and below the bit are: `SceneState.ahead_sure`."""
+        """Set how sure the tight places above and below the bit are: `SceneState.ahead_sure`."""
         if not self._string or self._shape.basis != "azimuthal" or self.scene.state.ahead is None:
             return
         chances = tuple(map(self._chance, self._places_ahead()))
@@ -445,10 +445,10 @@ class Feed:
             self.scene.update_state(ahead_sure=chances)
 
     def _places_ahead(self) -> tuple[tuple[Any, ...], ...]:
-        """Return the nearest and the worst tight places above and below the bit, each once."""
+        """Return the tight places above and below the bit, each once."""
         ahead = self.scene.state.ahead or {}
         sides = [side for way in ("up", "down") if (side := ahead.get(way))]
-        return tuple(dict.fromkeys(tuple(side[name]) for side in sides for name in ("nearest", "worst")))
+        return tuple(dict.fromkeys(tuple(place) for side in sides for place in side["places"]))
 
     def _chance(self, place: Sequence[Any]) -> tuple[float, float, float, float, bool] | None:
         """Return how sure it is that the string sticks at a `Place`, its ends, and half the interval of its size.

@@ -178,7 +178,8 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once the wall is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
-    limits: tuple[float, float] = (Criteria.washout, Criteria.elongation)  # of washouts and breakouts, metres
+    # Of washouts, breakouts and undergauge hole, metres.
+    limits: tuple[float, float, float] = (Criteria.washout, Criteria.elongation, Criteria.undergauge)
     zones_to: float = math.nan  # depth of the wall's end when its zones were found, metres; NaN: not yet
     shape: Shape = "wall"  # what gives the diameters from which zones follow: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set
@@ -193,9 +194,8 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Of the nearest and of the worst tight place above and below: the probability that the string sticks there, the
-    # ends of the place, by which a page knows it, half the 95 % interval of what passes, and whether it passes at most;
-    # None: not known.
+    # Of each tight place above and below: the probability that the string sticks there, the ends of the place, by which
+    # a page knows it, half the 95 % interval of what passes, and whether it passes at most; None: not known.
     ahead_sure: tuple[tuple[float, float, float, float, bool] | None, ...] = ()
 
 

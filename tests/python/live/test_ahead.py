@@ -49,10 +49,10 @@ def test_pulling_out_says_what_lies_above_the_bit():
     assert trip.said == []  # it has hardly moved
     trip.to(127.0)
     (text,) = trip.said
-    assert text.startswith("tight hole above the bit at 127.0 m: from 118.1 to 119.0 m 206.0 mm pass at most, the bit")
+    assert text.startswith("tight hole above the bit at 127.0 m: from 118.0 to 119.0 m 206.0 mm pass at most, the bit")
     found = trip.alarms.ahead.found
     assert found is not None
-    assert (found.body, found.places, found.worst.tightest > 118) == ("bit", 1, True)
+    assert (found.body, [of.tightest > 118 for of in found.places]) == ("bit", [True])
     assert trip.alarms.ahead.outlook.touching == pytest.approx([0.213]), "bit less half the limit"
     assert found.sticks_at == pytest.approx(TIGHT[1] + 0.3, abs=0.15)  # then the upper end of the body is there
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
@@ -105,7 +105,7 @@ def test_a_body_sticks_where_it_touches_and_not_where_the_limit_is_reached():
         trip.to(bit)
     found = trip.alarms.ahead.found
     assert found.sticks_at == pytest.approx(112 - 2 / 8 + 0.3, abs=0.15)
-    assert found.worst.tightest < found.sticks_at - 0.4
+    assert found.places[0].tightest < found.sticks_at - 0.4
 
 
 def test_on_bottom_the_way_out_is_known_and_no_alarm():
@@ -165,7 +165,7 @@ def test_the_string_says_which_of_its_bodies_sticks_and_when():
         trip.to(bit)
     found = trip.alarms.ahead.found
     assert found is not None
-    assert (found.above, found.body, found.needed, found.places) == (True, "stabiliser", 0.212, 1)
+    assert (found.above, found.body, found.needed, len(found.places)) == (True, "stabiliser", 0.212, 1)
     assert found.diameter == pytest.approx(0.206, abs=0.0005)
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.2)
     assert found.sticks_at == pytest.approx(TIGHT[1] + 7, abs=0.15)
@@ -219,10 +219,10 @@ def test_reamed_hole_is_as_tight_as_the_last_scan_of_it():
     noisy(trip, 0.206)
     for bit in (122.0, 121.0):
         trip.to(bit)
-    assert trip.alarms.ahead.outlook.up.places == 2
+    assert len(trip.alarms.ahead.outlook.up.places) == 2
     noisy(trip, 0.217)
     trip.to(120.9)
-    assert trip.alarms.ahead.outlook.up.places == 1
+    assert len(trip.alarms.ahead.outlook.up.places) == 1
     assert trip.alarms.ahead.outlook.doubtful == ((None, None),)
 
 
@@ -278,10 +278,10 @@ def test_the_worst_of_several_tight_places_is_named_beside_the_nearest():
     found = trip.alarms.ahead.found
     assert found is not None
     assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
-    assert found.places == 2
-    assert found.nearest[:2] == pytest.approx(TIGHT, abs=0.15)
-    assert found.worst[:2] == pytest.approx((112.0, 113.0), abs=0.15)
-    assert found.worst.passes == pytest.approx(trip.live.wall.drift(0.3).least, abs=1e-4)
+    nearest, worst = found.places
+    assert nearest[:2] == pytest.approx(TIGHT, abs=0.15)
+    assert worst[:2] == pytest.approx((112.0, 113.0), abs=0.15)
+    assert worst.passes == pytest.approx(trip.live.wall.drift(0.3).least, abs=1e-4)
     assert "127.0 m: from 118" in trip.said[0]
 
 
@@ -327,7 +327,7 @@ def test_limits_beyond_all_reason_cost_no_memory_and_raise_nothing():
     trip = Trip(alarms="tight = 0.006\nahead = 1e9\n")
     for bit in (129.5, 127.0):
         trip.to(bit)
-    assert "from 118.1 to 119.0 m" in trip.said[0]
+    assert "from 118.0 to 119.0 m" in trip.said[0]
     stretch = trip.alarms.ahead._stretch(-1e9, 1e9, 0.3)
     assert stretch is not None
     assert len(stretch.radius) < 2 * len(trip.live.wall)
@@ -376,7 +376,7 @@ def test_without_a_limit_a_string_has_that_of_the_zones_and_no_alarm():
     for bit in (130.0, 127.0):
         trip.to(bit)
     outlook = trip.alarms.ahead.outlook
-    assert outlook.up.nearest[:2] == pytest.approx(TIGHT, abs=0.15)
+    assert outlook.up.places[0][:2] == pytest.approx(TIGHT, abs=0.15)
     assert trip.said == []
 
 
@@ -396,7 +396,7 @@ def test_noise_of_the_radii_is_no_tight_hole():
         alarms.check()
     found = alarms.ahead.found
     assert found is not None
-    assert found.places == 1
+    assert len(found.places) == 1
     assert found.sticks_at == pytest.approx(TIGHT[1] + 1.0, abs=0.3)
 
 
@@ -443,10 +443,10 @@ def test_a_body_that_surely_sticks_is_named_also_where_the_hole_is_tight_by_less
     ahead = _pulled(tool, UNDERSIZED, 0.2169, ring=0.2105)
     found = ahead.outlook.up
     assert found is not None
-    assert (found.nearest.top, found.nearest.bottom) == pytest.approx((130, 131.5), abs=0.25)
-    assert found.nearest.first == "stabiliser"
+    assert (found.places[0].top, found.places[0].bottom) == pytest.approx((130, 131.5), abs=0.25)
+    assert found.places[0].first == "stabiliser"
     assert found.sticks_at == pytest.approx(131.5 + 9.2 + 1.2, abs=0.25)
-    assert found.nearest.passes == pytest.approx(0.2105, abs=0.002)
+    assert found.places[0].passes == pytest.approx(0.2105, abs=0.002)
     assert all(up is not None for up, _ in ahead.outlook.bodies), "the bit does not pass either"
     assert ahead.found is None, "the alarm has its limit"
     passed = _pulled(tool, UNDERSIZED, 0.2169, ring=0.2147).outlook
@@ -457,7 +457,28 @@ def test_tight_hole_with_a_hand_of_wide_hole_between_is_one_place():
     string = RigidBody(0.2, 0.3), RigidBody(0.2, 1.0, 4.0)
     place = Place(top=118.0, bottom=119.0, passes=0.196, sticks_at=119.3, first="bit", tightest=118.5, body=0)
     near = place._replace(top=119.1, bottom=119.4, passes=0.19, sticks_at=124.3, first="body 2", tightest=123.0, body=1)
-    (one,) = _joined([near, place], string, up=True)
-    assert (one.top, one.bottom, one.passes, one.sticks_at, one.first) == (118.0, 119.4, 0.19, 124.3, "body 2")
+    (one,) = _joined([near, place], string)
+    assert (one.top, one.bottom, one.passes, one.body) == (118.0, 119.4, 0.19, 1)
     far = near._replace(top=119.0 + APART + 0.05, bottom=119.6)
-    assert len(_joined([far, place], string, up=True)) == 2
+    assert len(_joined([far, place], string)) == 2
+
+
+def test_a_place_has_the_same_ends_and_size_whichever_way_the_string_comes_and_wherever_it_stands():
+    """A hole that is tight by 12 mm in its upper half and by 7 mm below; a bit stands in the middle of it."""
+    more = (
+        '[[string]]\ndiameter = "216mm"\nlength = 0.3\n[[string]]\ndiameter = "212mm"\nlength = 1.0\nposition = 3.0\n'
+    )
+    trip = Trip(more=more)
+    depth = np.arange(118.5, 119.0, 0.001)
+    trip.live.append_samples(depth, np.arange(depth.size) * 22.2 % 360, np.full(depth.size, 0.1055))
+    for bit in (124.0, 123.0, 118.7):
+        trip.to(bit)
+        outlook = trip.alarms.ahead.outlook
+        found = {of[:3] for side in (outlook.up, outlook.down) if side for of in side.places}
+        if bit == 124.0:
+            (place,) = found
+        assert found == {place}
+    assert outlook.up
+    assert outlook.down
+    assert place[:2] == pytest.approx(TIGHT, abs=0.05)
+    assert place[2] == pytest.approx(0.206, abs=0.001)

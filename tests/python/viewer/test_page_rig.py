@@ -62,6 +62,20 @@ OVER = """[...document.querySelectorAll('#rigBodies .note')].filter((at) => {
   const [inner, outer] = [at, at.parentElement].map((e) => e.getBoundingClientRect());
   return inner.top < outer.top || inner.bottom > outer.bottom || inner.right > outer.right;
 }).map((at) => at.textContent)"""
+CROSSED = """(() => {
+  const cell = document.getElementById('rigBodies').getBoundingClientRect();
+  const boxes = [...document.querySelectorAll('#rigBodies > *')].map((at) => {
+    const range = document.createRange();
+    range.selectNodeContents(at);
+    return [at.textContent, range.getBoundingClientRect()];
+  }).filter(([text]) => text);
+  const over = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
+  const cross = (a, b) => over(a, b, 'left', 'right') > 1 && over(a, b, 'top', 'bottom') > 0.3 * a.height;
+  return boxes.flatMap(([text, a], i) => [
+    ...(a.right > cell.right || a.bottom > cell.bottom + 2 ? [text] : []),
+    ...boxes.slice(i + 1).filter(([, b]) => cross(a, b)).map(([other]) => `${text} x ${other}`),
+  ]);
+})()"""
 ROWS = """[...document.querySelectorAll('#rigBodies .name')].map((at) => {
   const text = (nodes) => [...nodes].map((one) => one.textContent.trim()).filter(Boolean).join(' ');
   const [size, ...ways] = [at.nextSibling, at.nextSibling.nextSibling, at.nextSibling.nextSibling.nextSibling];
@@ -83,7 +97,7 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
     with hb.view(wall, string=string) as viewer:
         scene = viewer.scene
         place = (2017.5, 2018.5, 0.208, 2018.8, "bit", 2018.4, 0)
-        up = {"places": 2, "nearest": place, "worst": (2003.0, 2004.0, 0.2, 2004.2, "bit", 2003.9, 0)}
+        up = {"places": (place, (2003.0, 2004.0, 0.2, 2004.2, "bit", 2003.9, 0))}
         bodies = ((2018.8, None), (None, None), (None, 2021.5))
         ahead = {"up": up, "down": None, "bodies": bodies, "moving": "up"} | {"touching": (0.213, 0.17, 0.213)}
         alarms = ("tight ahead: tight hole above the bit at 2020.0 m: from 2017.4 to 2018.6 m 208 mm pass at most",)
@@ -91,15 +105,15 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         scene.update_state(bit_depth=2020.0, hole_depth=2026.0, newest=time.time(), ahead=ahead, alarms=alarms)
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
         screen.until("document.getElementById('rigWorst').textContent.includes('mm')")
-        far, zone = (of for of in wall.zones().zones if of.kind == "undergauge")
+        assert [of.kind for of in wall.zones().zones].count("undergauge") == 2
         size = f"−{1000 * (0.216 - place[2]):.0f} mm"
         head, digits, more = screen.evaluate(f"({CELL})('rigWorst')")
         assert re.fullmatch(r"Worst of 2 going up: tight, \d+ % sure", head), "the worst leads, not the nearest"
         assert re.fullmatch(r"−16 mm ±\d", digits), "how sure its kind is stands there, how sure its size is here"
-        assert more == f"{far.start:.1f}–{far.stop:.1f} m, in 15.8 m"
-        next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at {zone.stop:.1f} m"]
+        assert more == "2003.0–2004.0 m, in 15.8 m", "the ends of the place, not of its zone"
+        next_one = ["Next going up: sticks in", "1.2 m", f"bit, {size} at 2018.5 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == next_one
-        both = f"Tight −16 mm at {far.start:.0f}, {size} at {zone.start:.0f} m"
+        both = f"Tight −16 mm at 2003, {size} at 2018 m"
         assert screen.inner_text("#alarmText") == both, "two alarms, one place, one text; the other was found before"
         named = "window.__wall.app.renderer.look().zones.map(({ name, measure }) => [name, measure])"
         assert screen.evaluate(named) == [["tight", pytest.approx(-0.016)], ["tight", pytest.approx(-0.008)]], (
@@ -153,7 +167,7 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
     seat = of | {"kind": "key seat", "start": 1030.0, "stop": 1034.0, "measure": 0.012}
     washout = of | {"kind": "washout", "start": 1055.0, "stop": 1056.0, "measure": 0.04, "severity": 9.0}
     behind = of | {"kind": "washout", "start": 1012.0, "stop": 1014.0, "measure": 0.03}
-    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "up", "touching": (0.213, 0.213)}
+    ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "up", "touching": (0.2, 0.2)}
     with hb.view(MadeWall(40_000), string=string) as viewer:
         scene = viewer.scene
         scene.update_state(bit_depth=1050.0, hole_depth=1090.0, newest=time.time(), ahead=ahead)
@@ -175,12 +189,12 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         screen.until("document.getElementById('rigWhere').textContent === 'now '")
         assert screen.inner_text("#rigWhereHead").endswith("going up: key seat"), "the stabiliser is in it"
         scene.update_state(bit_depth=1029.0, zones=(seat,))
-        screen.until(f"{head} === 'Worst going up'")  # all bodies are past it
+        screen.until(f"!{head}.includes(':')")  # all bodies are past it
         near = (1042.0, 1043.0, 0.21, 1048.0, "bit", 1042.5, 0)
         far = (1057.0, 1058.0, 0.203, 1057.0, "bit", 1057.5, 0)
         sides = {
-            "up": {"places": 1, "nearest": near, "worst": near},
-            "down": {"places": 1, "nearest": far, "worst": far},
+            "up": {"places": (near,)},
+            "down": {"places": (far,)},
         }
         way = """[document.getElementById('rigBitHead').textContent,
           [...document.querySelectorAll('#rigBodies .on')].map((at) => at.textContent)]"""
@@ -189,7 +203,7 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         assert screen.evaluate(way) == ["Bit depth, at rest", ["up: sticks in", "down: sticks in"]]
         assert screen.inner_text("#rigWorst").startswith("−13 mm")
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
-        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m, down in 7.0 m"]
+        where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m; bit down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011), (0.97, *far[:2], 0.0131)))
         screen.until("document.getElementById('rigWorst').textContent === '−13 mm ±14'")  # no less than it is
@@ -249,7 +263,7 @@ def test_the_body_that_sticks_next_has_a_row_among_the_widest(browser: Any) -> N
     string = {"bodies": [[size, 0.5, at] for size, at in sizes.values()], "why": "", "bit": 1028.0}
     string["hanging"] = [of | {"name": name} for name in sizes]
     place = (1002.0, 1004.0, 0.2, 1024.5, "bit", 1023.0, 3)
-    up = {"places": 1, "nearest": place, "worst": place}
+    up = {"places": (place,)}
     ahead = {"up": up, "down": None, "bodies": ((1024.5, None), *((None, None),) * 3), "moving": "up"}
     ahead |= {"touching": (0.208, 0.21, 0.212, 0.213)}
     with hb.view(MadeWall(20_000)) as viewer:
@@ -259,10 +273,10 @@ def test_the_body_that_sticks_next_has_a_row_among_the_widest(browser: Any) -> N
         screen.until("document.querySelector('#rigBodies .name')")
         assert [row[0] for row in screen.evaluate(ROWS)] == ["stabiliser", "near-bit", "bit"]
         first = (*place[:4], "top stabiliser", *place[5:])
-        viewer.scene.update_state(ahead=ahead | {"up": up | {"nearest": first, "worst": first}})
+        viewer.scene.update_state(ahead=ahead | {"up": {"places": (first,)}})
         screen.until("document.querySelectorAll('#rigBodies .name').length === 4")
         assert screen.evaluate(ROWS)[0][::3] == ["top stabiliser", "3.5 m"]
-        down = {"places": 1, "nearest": first, "worst": first}
+        down = {"places": (first,)}
         viewer.scene.update_state(ahead=ahead | {"down": down})  # moving up, but a body hangs above a tight place
         screen.until("window.__wall.app.ahead.down")
         screen.settle()
@@ -276,7 +290,7 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
     string = {"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0]], "why": "", "bit": 1010.0}
     string["hanging"] = [{"name": "bit"}, {"name": "stabiliser"}]
     place = (1028.0, 1029.0, 0.206, 1028.0, "bit", 1028.5, 0)
-    down = {"places": 1, "nearest": place, "worst": place}
+    down = {"places": (place,)}
     ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "down", "touching": (0.213, 0.213)}
     gap = ((None, (1015.0, 1020.0)), (None, (1015.0, 1021.0)))
     state = {"bit_depth": 1010.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
@@ -292,9 +306,9 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit"]
         scene.update_state(ahead=ahead | {"unseen": ((None, None),) * 2})
         screen.until(f"{digits}.startsWith('none')")
-        assert screen.inner_text("#rigWorstMore").startswith("seen in 1005.0–")
+        assert re.match(r"\d\d % seen of 1005\.0–", screen.inner_text("#rigWorstMore"))
         scene.update_state(ahead=ahead | {"unseen": gap, "down": down})
-        screen.until(f"{digits}.includes('mm')")
+        screen.until(f"{digits}.startsWith('−10 mm')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit; sticks in ≤18.0 m"], "before the tight place"
         assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new", "it sticks on this way"
         scene.update_state(bit_depth=1016.0)
@@ -316,8 +330,7 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         )
         of_bodies = "1020 m (body d), 1021 m (body c), 1022 m (body b), 1026 m (body a)"
         assert screen.inner_text("#rigBodies") == f"Hole not measured at {of_bodies}"
-        wide = "document.querySelector('#rigBodies .lacks')"
-        assert screen.evaluate(f"{wide}.scrollWidth <= {wide}.clientWidth"), "all are on the screen"
+        assert screen.evaluate(CROSSED) == [], "all are on the screen"
         scene.update_state(
             bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
         )
@@ -358,6 +371,120 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
         screen.until("document.querySelector('#rigBodies').textContent.includes('not measured')")
         assert screen.evaluate(ROWS)[3][1:3] == ["not measured", "–"], "no sample is beside it"
         assert screen.inner_text("#alarmText") == "Key seat +12 mm, 1018.0–1022.0 m", "the string passes the other zone"
+        screen.close()
+
+
+def test_rig_mode_colours_what_may_hold_the_string_and_no_wide_hole(browser: Any) -> None:
+    """New zones of a live wall with and without a tight one: card and banner say which is worse."""
+    of = {"severity": 3.0, "confidence": 0.99, "measured": None}
+    wide = of | {"kind": "washout", "start": 1012.0, "stop": 1016.0, "measure": 0.05}
+    under = of | {"kind": "undergauge", "start": 1018.0, "stop": 1019.0, "measure": -0.008}
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(bit_depth=1014.0, hole_depth=1014.0, newest=time.time())
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length && window.__wall.app.newest")
+        viewer.scene.update_state(zones=(), zones_to=1031.0)
+        screen.until("!window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(wide,))
+        screen.until("!document.getElementById('alarm').hidden")
+        banner = "getComputedStyle(document.getElementById('alarm')).backgroundColor"
+        card = "document.getElementById('rigWorstCell').className"
+        assert screen.inner_text("#alarmText") == "Washout +50 mm, 1012.0–1016.0 m"
+        assert screen.evaluate(f"[{card}, {banner}]") == ["", "rgb(255, 255, 255)"]
+        assert screen.evaluate(f"({CELL})('rigWhere')")[:2] == ["Next going up: washout", "here "], "nothing sticks now"
+        viewer.scene.update_state(bit_depth=1020.0, hole_depth=1020.0, zones=(wide, under))
+        screen.until(f"{card} === 'new'")
+        assert screen.evaluate(banner) == "rgb(255, 138, 60)"
+        screen.close()
+
+
+def test_no_green_tick_stands_beside_hole_that_is_not_known(browser: Any) -> None:
+    string = {"bodies": [[0.216, 0.3, 0.0]], "why": "", "bit": 1028.0}
+    hanging = [{"name": "bit", "clearance": 0.001, "low": -0.0005, "high": 0.0025, "depth": 1028.0}]
+    ahead = {"up": None, "down": None, "bodies": ((None, None),), "moving": "up", "touching": (0.213,)}
+    tick = "getComputedStyle(document.getElementById('rigLamp')).visibility"
+    card = "document.getElementById('rigWorstCell').className"
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1028.0, "hole_depth": 1060.0, "newest": time.time(), "received": time.time()}
+        unseen = ((((1005.0, 1015.0), None)),)
+        viewer.scene.update_state(**state, string=string | {"hanging": hanging}, ahead=ahead | {"unseen": unseen})
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(), zones_to=1031.0)
+        screen.until("document.getElementById('rigWorst').textContent === 'not known '")
+        assert screen.evaluate("document.getElementById('rigLamp').className") == "live"
+        assert screen.evaluate(f"[{tick}, {card}]") == ["hidden", "unknown"]
+        viewer.scene.update_state(ahead=ahead | {"unseen": ((None, None),)})
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('none')")
+        assert screen.evaluate(f"[{tick}, {card}]") == ["visible", ""]
+        head = "document.getElementById('rigWorstHead').textContent"
+        assert screen.evaluate(head) == "Worst going up beyond −8 mm", "6.35 mm, and 1.5 of the size"
+        assert re.fullmatch(r"\d\d % seen of 1000\.0–1028\.0 m", screen.inner_text("#rigWorstMore"))
+        wide = [hanging[0] | {"low": -0.009, "high": 0.011}]
+        viewer.scene.update_state(string=string | {"hanging": wide})
+        screen.until(f"{head} === 'Worst going up beyond −17 mm'")
+        screen.close()
+
+
+def test_at_rest_each_way_names_its_body_and_each_place_is_named_once(browser: Any) -> None:
+    """A bit inside a place that holds its stabiliser on the way up, too; a third place lies far below."""
+    names = "bit", "stabiliser"
+    string = {"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 4.0]], "why": "", "bit": 1020.0}
+    free = {"clearance": 0.004, "low": 0.003, "high": 0.005, "depth": 1010.0, "at_most": False, "short": 0.0}
+    string["hanging"] = [free | {"name": name} for name in names]
+    here, below = (
+        (1013.0, 1014.0, 0.21, 1018.0, "stabiliser", 1017.5, 1),
+        (1024.0, 1025.0, 0.207, 1024.0, "bit", 1024.5, 0),
+    )
+    deep = (1028.0, 1029.0, 0.208, 1028.0, "bit", 1028.5, 0)
+    ahead = {"up": {"places": (here,)}, "down": {"places": (below, deep)}, "moving": "", "touching": (0.213, 0.213)}
+    ahead |= {"bodies": ((None, 1024.0), (1018.0, None))}
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1020.0, "hole_depth": 1030.0, "newest": time.time(), "string": string, "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        viewer.scene.update_state(zones=(), zones_to=1031.0)
+        screen.until("!window.__wall.app.zones.length")
+        screen.until("document.getElementById('rigWhereHead').textContent === 'Next going up: sticks in'")
+        where = ["2.0 m", "stabiliser, −6 mm at 1014.0 m; bit down in 4.0 m"]
+        assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == where
+        assert screen.inner_text("#alarmText") == "Tight −9 mm at 1024, −8 mm at 1028, −6 mm at 1013 m", "all three"
+        held = {"clearance": -0.008, "low": -0.009, "high": -0.007, "depth": 1013.5}
+        string["hanging"] = [free | {"name": "bit"}, free | held | {"name": "stabiliser"}]
+        viewer.scene.update_state(string=string, ahead=ahead | {"down": {"places": (here, below, deep)}})
+        screen.until("document.getElementById('rigWhere').textContent === 'now '")
+        assert screen.inner_text("#rigWhereMore") == "stabiliser, at 1013.5 m; bit down in 4.0 m", (
+            "the second place, too"
+        )
+        assert screen.inner_text("#alarmText") == "Tight −9 mm at 1024, −8 mm at 1028, −6 mm at 1013 m", "once"
+        assert screen.evaluate(CLIPPED) == []
+        screen.close()
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
+def test_rows_of_a_long_string_of_which_most_hangs_above_the_wall_do_not_cross(
+    browser: Any, size: tuple[int, int]
+) -> None:
+    bodies = {
+        "bit": (0.216, 0.3, 0.0), "near-bit stabiliser": (0.2127, 1.0, 0.9), "stab 2": (0.2127, 1.2, 9.2),
+        "stab 3": (0.2095, 1.2, 41.0), "stab 4": (0.2095, 1.2, 133.0), "roller reamer": (0.2127, 2.0, 245.0),
+    }  # fmt: skip
+    free = {"clearance": 0.004, "low": 0.002, "high": 0.006, "depth": 1010.0, "at_most": False, "short": 0.0}
+    string = {"bodies": [list(of) for of in bodies.values()], "why": "", "bit": 1028.0}
+    string["hanging"] = [{"name": name} | (free if of[2] < 20 else {}) for name, of in bodies.items()]
+    place = (1014.0, 1015.0, 0.208, 1025.5, "stab 2", 1025.0, 2)
+    rows = ((None, None), (1016.0, None), (1025.5, None), *((None, None),) * 3)
+    ahead = {"up": {"places": (place,)}, "down": None, "bodies": rows, "moving": "up", "touching": (0.213,) * 6}
+    with hb.view(MadeWall(20_000)) as viewer:
+        state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string, "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", size, drawn=False)
+        screen.until("document.querySelectorAll('#rigBodies .name').length === 3")
+        screen.settle()
+        lacks = "Hole not measured at 782 m (roller reamer), 894 m (stab 4), 986 m (stab 3)"
+        assert screen.inner_text("#rigBodies .lacks") == lacks
+        assert screen.evaluate(CROSSED) == []
         screen.close()
 
 
@@ -442,7 +569,7 @@ def test_rig_mode_says_now_where_the_body_stands_if_it_is_sure_to_stick_there(br
     string = {"bodies": [[0.213, 1.0, 4.0]], "why": "", "bit": 1020.0}
     of = {"name": "stabiliser", "clearance": -0.004, "low": -0.009, "depth": 1015.3, "at_most": False, "short": 0.0}
     place = (1013.0, 1018.0, 0.209, 1020.0, "stabiliser", 1019.7, 0)
-    up = {"places": 1, "nearest": place, "worst": place}
+    up = {"places": (place,)}
     ahead = {"up": up, "down": None, "bodies": ((1020.0, None),), "moving": "up", "touching": (0.213,)}
     with hb.view(MadeWall(20_000)) as viewer:
         state = {"bit_depth": 1020.0, "hole_depth": 1026.0, "newest": time.time(), "ahead": ahead}

@@ -335,8 +335,8 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
     string = [hb.RigidBody(0.212, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 3.0, "stabiliser")]
     with hb.view(wall, string=string) as viewer:
         wide = (2010.0, 2011.0, 0.208, 2011.3, "bit", 2011.0, 0)
-        bit = {"nearest": wide, "worst": (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0)}
-        stabiliser = dict.fromkeys(("nearest", "worst"), (2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1))
+        bit = {"places": (wide, (2017.5, 2018.5, 0.208, 2018.4, "bit", 2018.2, 0))}
+        stabiliser = {"places": ((2017.5, 2018.5, 0.208, 2018.4, "stabiliser", 2021.3, 1),)}
         viewer.scene.update_state(ahead={"up": bit, "down": stabiliser, "bodies": (), "moving": ""})
         until(lambda: len(viewer.scene.state.ahead_sure) == 3)
         (none, *of_wide), (chance, *of_bit), (least, *of_other) = viewer.scene.state.ahead_sure
@@ -348,7 +348,7 @@ def test_how_sure_it_is_that_the_string_sticks_ahead_follows_from_the_wall() -> 
         assert [most for *_, most in (of_wide, of_bit, of_other)] == [False] * 3, "all is sampled"
         (zone,) = viewer.scene.state.zones
         assert 0.0002 < zone["within"] < 0.002, "of the size of the zone, too"
-        beyond = dict.fromkeys(("nearest", "worst"), (2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0))
+        beyond = {"places": ((2040.0, 2041.0, 0.208, 2040.0, "bit", 2040.0, 0),)}
         viewer.scene.update_state(ahead={"up": beyond, "down": None, "bodies": (), "moving": ""})
         until(lambda: viewer.scene.state.ahead_sure == (None,))
 

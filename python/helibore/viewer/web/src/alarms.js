@@ -119,6 +119,7 @@ export class Alarms {
     const whole = rig && this.whole;
     hide(!texts.length, 'alarm');
     hide(!whole, 'alarmWhole');
+    byId('alarm').classList.toggle('calm', rig && texts.every((text) => /^(washout|breakout)/.test(text)));
     say('silence', whole ? 'Close (A), silence (Q)' : rig ? 'Read (A)' : 'Silence (Q)');
     lines('alarmText', places ? few(places(this.app, false)) : [texts.join(' · ')]);
     lines('alarmWhole', whole ? texts : []);

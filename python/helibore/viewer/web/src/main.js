@@ -36,7 +36,7 @@ import { bySeverity } from './zones.js';
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const USUAL_SCALE = 200; // of paper, at first
-const LIMITS = [0.5, 1].map((inches) => inches / LENGTHS.in.scale); // of washouts and breakouts, metres, by default
+const LIMITS = [0.5, 1, 0.25].map((inches) => inches / LENGTHS.in.scale); // of washouts, breakouts and undergauge hole, metres, by default
 // A name that may be broken into lines behind its underscores, as it may behind hyphens.
 /** @param {string} name */
 const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, document.createElement('wbr')]);

@@ -5,7 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
 import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { doubtsAhead, HOLDS, isPassed, LATE, leftTo, NOW, placesAhead, reach, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { doubtsAhead, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -21,6 +21,7 @@ const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothin
 /** @param {App} app */
 const noBit = (app) => doubtOf(app) || 'no new bit depth';
 const MAY = 'may stick';
+const NAMED = 3; // tight places of one text
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -37,8 +38,14 @@ function cell(id, head, digits, unit, more) {
   }
   say(`${id}Head`, head);
   say(`${id}More`, more);
-  const room = /** @type {HTMLElement} */ (at.parentElement).clientWidth - MARGIN;
-  for (const one of [at, byId(`${id}Head`), byId(`${id}More`)]) one.style.transform = one.scrollWidth > room ? `scaleX(${room / one.scrollWidth})` : '';
+  for (const one of [at, byId(`${id}Head`), byId(`${id}More`)]) fit(one);
+}
+
+// Make a text that is wider than its cell narrower.
+/** @param {HTMLElement} one */
+function fit(one) {
+  const room = /** @type {HTMLElement} */ (one.parentElement).clientWidth - MARGIN;
+  one.style.transform = one.scrollWidth > room ? `scaleX(${room / one.scrollWidth})` : '';
 }
 
 /** @param {App} app */
@@ -104,51 +111,71 @@ function parts(text) {
 // Write the worst place ahead, how sure it is and where; and what the string meets next, which may be the same place.
 /** @param {App} app */
 function writeWorst(app) {
-  const { view: { units }, store, bit, alarms, ahead, zonesTo, string } = app;
+  const { view: { units }, store, bit, ahead, zonesTo, string } = app;
+  const { hanging = [] } = string ?? {};
   const found = placesAhead(app);
   const stale = isStale(app);
-  byId('rigWorstCell').className = !found ? '' : found.worst.tight || !found.worst.zone || !alarms.isNew(found.worst.zone) ? 'zone' : 'new';
+  const stuck = stale ? -1 : hanging.findIndex((_, i) => sticksNow(app, i));
+  const { name, depth: here = NaN } = hanging[stuck] ?? {};
+  /** @param {string} colour @param {unknown} isNext */
+  const mark = (colour, isNext) => [byId('rigWorstCell').className, byId('rigWhereCell').className] = [colour, isNext ? 'new' : ''];
+  /** @param {FirstPlace} [other] */
+  const and = (other) => (other ? `; ${other.first} ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : '');
+  /** @param {FirstPlace} [other] */
+  const now = (other) => cell('rigWhere', 'Next: sticks', 'now', '', `${name}, at ${showDepth(here ?? NaN, units, 1)}${and(other)}`);
   if (!found) {
     const [top, bottom] = reach(app);
     const end = Math.min(store.span[1], bottom);
-    byId('rigWhereCell').className = '';
     const [unseen] = unseenAhead(app);
     const [doubt] = stale ? [] : doubtsAhead(app);
-    const last = doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `seen in ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
+    const last = name ? ['not sure', `tight at ${name}`] : doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     const far = stale || digits === 'looking' ? undefined : tightBeyond(app);
-    cell('rigWorst', ahead?.moving ? `Worst going ${ahead.moving}` : 'Worst place', digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
+    mark(digits === 'none' ? '' : 'unknown', name);
+    cell('rigWorst', `Worst ${ahead?.moving ? `going ${ahead.moving}` : 'place'}${digits === 'none' ? limitOf(app) : ''}`, digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
+    if (name) return now();
     if (doubt && digits === 'not sure') return cell('rigWhere', `Next going ${doubt.way}: may stick in`, ...distance(doubt.left, units, true), doubt.first);
     const coming = (digits === 'not known' && !stale && unseen) || far;
     if (!coming) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', nextHead(coming), ...distance(coming.left, units), coming.first);
   }
-  const { worst, next, sticks, count, most } = found;
-  const stuck = sticks && !stale ? stuckIn(app, sticks) : -1;
-  byId('rigWhereCell').className = stuck >= 0 || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving) ? 'new' : '';
+  const { worst, next, sticks, tight, most } = found;
+  mark(holds(worst) ? 'new' : '', name || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving));
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
+  /** @param {FirstPlace} of */
+  const isHere = ({ start, stop }) => (here ?? NaN) > start - NEAR && (here ?? NaN) < stop + NEAR;
   const [digits, unit] = parts(size(worst));
-  const isHere = sticks && stuck >= 0 && worst.start < sticks.stop && sticks.start < worst.stop;
   const bound = most ? '≤' : '';
-  const distant = stale || next === worst || isHere ? '' : worst.left <= NOW ? ', now' : `, in ${worst === sticks ? bound : ''}${showDepth(worst.left, units, 1)}`;
-  const { sure, within, zone } = worst;
+  const isAt = isHere(worst);
+  const distant = stale || next === worst || isAt ? '' : worst.left <= NOW ? `, ${beside(worst)}` : `, in ${worst === sticks ? bound : ''}${showDepth(worst.left, units, 1)}`;
+  const { sure, within, zone, way } = worst;
+  const count = tight.filter((of) => of.way === way).length;
   const sureness = Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`;
-  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : worst.way && !isHere ? '' : ' place'}${worst.way && !isHere ? ` going ${worst.way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : way && !isAt ? '' : ' place'}${way && !isAt ? ` going ${way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
   if (stale) return cell('rigWhere', 'Next: not known', '–', '', noBit(app));
-  const { hanging = [] } = string ?? {};
-  if (stuck >= 0) return cell('rigWhere', 'Next: sticks', 'now', '', `${hanging[stuck].name}, at ${showDepth(hanging[stuck].depth ?? NaN, units, 1)}`);
+  if (name) return now(tight.find((of) => !isHere(of)));
   const { first } = next;
   /** @param {FirstPlace} of */
-  const may = (of) => of.tight && hanging.some(({ name }, i) => name === of.first && isUnsure(app, i));
+  const may = (of) => of.tight && hanging.some((one, i) => one.name === of.first && isUnsure(app, i));
   /** @param {FirstPlace} of */
   const left = (of) => distance(bit === null ? NaN : of.left, units, may(of));
   const [far, farUnit] = left(next);
-  const [other] = next.tight && next.way && !ahead?.moving ? tightOn(app, next.way === 'up' ? 'down' : 'up') : [];
-  const and = other ? `, ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : '';
   const where = next.tight ? `, ${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}` : `, ${showSpan(next.start, next.stop, units)}`;
   const what = next === worst ? ', the worst place' : next.tight || !sticks ? where : `; ${sticks.first === first ? '' : `${sticks.first} `}sticks in ${bound}${left(sticks).join(' ').trim()}`;
-  return cell('rigWhere', nextHead(next, may(next)), next.tight && farUnit ? `${bound}${far}` : far, farUnit, `${first}${what}${and}`);
+  return cell('rigWhere', nextHead(next, may(next)), farUnit ? `${next.tight ? bound : ''}${far}` : far === 'now' ? beside(next) : far, farUnit, `${first}${what}${and(next.tight ? tight.find((of) => of.way !== next.way) : undefined)}`);
+}
+
+// Return what is said of a place beside which the string is.
+/** @param {FirstPlace} place */
+const beside = (place) => (place.zone && !holds(place) ? 'here' : 'now');
+
+// Return the limit of "none": hole that is under bit size by more would be named, with what the size is sure to at least.
+/** @param {App} app */
+function limitOf({ view: { units }, limits, ahead, store: { bitRadius }, string }) {
+  const least = Math.max(limits[2], ahead ? 4 * bitRadius - 2 * Math.max(...ahead.touching) : 0);
+  const halves = (string?.hanging ?? []).map(({ low, high }) => (high ?? NaN) / 2 - (low ?? NaN) / 2).filter((half) => half >= 0);
+  return ` beyond ${intervalOf(least + (halves.length ? Math.min(...halves) : 0), units).replace('±', '−')} ${LENGTHS[units].unit}`;
 }
 
 /** @param {FirstPlace} of */
@@ -184,24 +211,22 @@ const roomOf = ({ clearance = NaN, high, at_most: most }) => (most ? high : null
 
 // Whether a body of the string sticks where it hangs now, and where it touches; hole that no sensor has passed is not known.
 /** @param {App} app @param {number} i */
-function sticksNow({ string, store, ahead }, i) {
+function sticksNow(app, i) {
+  const { string } = app;
   const { clearance = NaN, high, short = 0 } = string?.hanging?.[i] ?? {};
-  const spare = string ? spareOf({ string, store, ahead }, i) : 0; // by which it may be too thick and not count as tight
-  return !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare >= 0);
+  const spare = string ? spareOf(/** @type {any} */ (app), i) : 0; // by which it may be too thick and not count as tight
+  return isFound(app) && !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare >= 0);
 }
+
+// Whether the server has found what the bodies clear where they hang now.
+/** @param {App} app */
+const isFound = ({ bit, string }) => Math.abs((bit ?? NaN) - (string?.bit ?? bit ?? NaN)) <= NOW;
 
 // Whether a body may stick where it hangs, and may not: then no digits say "now".
 /** @param {App} app @param {number} i */
 function isUnsure(app, i) {
   const { high, short = 0 } = app.string?.hanging?.[i] ?? {};
   return !(short > NOW) && (high ?? NaN) + spareOf(/** @type {any} */ (app), i) >= 0;
-}
-
-// Return the number of the body that sticks now in a place; -1 if none does.
-/** @param {App} app @param {FirstPlace} place */
-function stuckIn(app, { start, stop }) {
-  const { hanging = [] } = app.string ?? {};
-  return hanging.findIndex(({ depth }, i) => (depth ?? NaN) > start - NEAR && (depth ?? NaN) < stop + NEAR && sticksNow(app, i));
 }
 
 // Return half the interval of a size, behind the number; no less than it is.
@@ -232,7 +257,7 @@ function wayOf(app, i, side) {
   const far = Math.min(sticks, seat);
   const isHidden = missed && !(left(missed) > far);
   if (far === Infinity && doubt && !(missed && left(missed) < way(doubt[0]))) return [...distance(way(doubt[0]), units, true), MAY];
-  if (far === Infinity) return missed ? ['–', '', `not known ${missed.map((end) => depthNumber(end, units, 0)).join('–')}`] : ['none', '', ''];
+  if (far === Infinity) return missed ? ['–', '', `not known ${[...new Set(missed.map((end) => depthNumber(end, units, 0)))].join('–')}`] : ['none', '', ''];
   const [digits, unit] = distance(far, units, sticks <= seat && isUnsure(app, i));
   return [`${isHidden && unit ? '≤' : ''}${digits}`, unit, seat < sticks ? 'key seat' : ''];
 }
@@ -245,19 +270,19 @@ const nextToBit = (bodies, store) => stabilisers(bodies, store).filter((i) => bo
 /** @param {App} app @param {number} i */
 function rowOf(app, i) {
   const { view: { units }, store, string, ahead, bit, holeDepth: hole } = app;
-  const { bodies = [], hanging = [], bit: at = bit } = string ?? {};
+  const { bodies = [], hanging = [] } = string ?? {};
   const { name = '', low = null, high = null, at_most: most } = hanging[i] ?? {};
   const bound = roomOf(hanging[i] ?? {});
-  const isFound = Math.abs((bit ?? NaN) - (at ?? NaN)) <= NOW; // else the server looks for what the body clears here
-  const clearance = !isFound || (most && bound > WIDE) ? NaN : bound;
+  const known = isFound(app); // else the server looks for what the body clears here
+  const clearance = !known || (most && bound > WIDE) ? NaN : bound;
   const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
-  const isStuck = isFound && sticksNow(app, i);
-  const note = !isFound ? 'looking' : Number.isNaN(clearance) ? 'not measured' : most && high !== null ? 'at most' : intervalOf((high ?? NaN) / 2 - (low ?? NaN) / 2, units);
+  const isStuck = sticksNow(app, i);
+  const note = !known ? 'looking' : Number.isNaN(clearance) ? 'not measured' : most && high !== null ? 'at most' : intervalOf((high ?? NaN) / 2 - (low ?? NaN) / 2, units);
   const ways = [0, 1].map((side) => {
     if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
     return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
   });
-  const state = isStuck ? 'new' : isFound && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
+  const state = isStuck ? 'new' : known && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
   return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
 }
 
@@ -272,17 +297,17 @@ function writeBodies(app) {
   const near = nextToBit(bodies, store);
   const [unseen] = unseenAhead(app);
   const least = hungInRig(app, NaN)?.body; // the picture names it
-  const wide = bodies.map((_, i) => i).filter((i) => i === near || i === least || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || (tight.length && sticksNow(app, i))).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const wide = bodies.map((_, i) => i).filter((i) => i === near || i === least || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || sticksNow(app, i)).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
   const unmeasured = wide.filter((i) => !isMeasured(i));
   const blind = [...new Set([...unmeasured, ...stabilisers(bodies, store).filter((i) => !isMeasured(i))])].sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
-  const beside = (i) => `${depthNumber((bit ?? NaN) - bodies[i][2] - bodies[i][1] / 2, units, 0)} ${depthUnit(units)} (${hanging[i]?.name ?? 'string'})`;
+  const whereIs = (i) => `${depthNumber((bit ?? NaN) - bodies[i][2] - bodies[i][1] / 2, units, 0)} ${depthUnit(units)} (${hanging[i]?.name ?? 'string'})`;
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
   const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
   const rows = stale ? [] : shown.map((i) => ({ ...rowOf(app, i), tag: i === near ? 'at bit' : '' }));
-  const lacks = stale ? `Clearances not known: ${noBit(app)}` : blind.length ? `Hole not measured at ${blind.map(beside).join(', ')}` : '';
+  const lacks = stale ? `Clearances not known: ${noBit(app)}` : blind.length ? `Hole not measured at ${blind.map(whereIs).join(', ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
   const at = byId('rigBodies');
   if (at.dataset.text === text) return;
@@ -301,6 +326,7 @@ function writeBodies(app) {
       return value;
     })];
   }), make('p', lacks, 'lacks'));
+  fit(/** @type {HTMLElement} */ (at.lastChild));
 }
 
 // Return the places above and below the bit in which the string sticks, each once, the tightest first.
@@ -316,8 +342,8 @@ const isQuiet = ({ quiet }, { start, stop }) => quiet.some((one) => start < one[
 function alarmed(app) {
   const { alarms, zones, store } = app;
   const [top, bottom] = store ? reach(app) : [NaN, NaN];
-  const holds = zones.filter((zone) => HOLDS.includes(zone.kind) && zone.stop > top && zone.start < bottom && !isQuiet(alarms, zone));
-  return [...new Set([...alarms.zones, ...holds])].filter((zone) => !isPassed(app, zone));
+  const held = zones.filter((zone) => HOLDS.includes(zone.kind) && zone.stop > top && zone.start < bottom && !isQuiet(alarms, zone));
+  return [...new Set([...alarms.zones, ...held])].filter((zone) => !isPassed(app, zone));
 }
 
 // Return the zones that the picture names: where the string sticks, what passes there counts, as in the digits; what it passes is none.
@@ -325,7 +351,7 @@ function alarmed(app) {
 export function zonesInRig(app) {
   const tight = tightNow(app);
   /** @param {FirstPlace} of @returns {Zone} */
-  const asZone = ({ start, stop, measure, zone, sure }) => ({ kind: 'undergauge', severity: 1, confidence: sure, measured: null, start, stop, ...zone, measure, name: 'tight' });
+  const asZone = ({ start, stop, measure, zone, sure }) => ({ kind: 'undergauge', severity: 1, confidence: sure, measured: null, ...zone, start, stop, measure, name: 'tight' });
   const others = app.zones.filter((zone) => !isPassed(app, zone) && !tight.some((of) => of.zone === zone));
   return [...others, ...tight.map(asZone)].sort((a, b) => a.start - b.start);
 }
@@ -362,7 +388,7 @@ export function placesOf(app, whole) {
   const places = new Map(all.flatMap((of) => (typeof of === 'object' && of.measure < 0 ? [[line(of), of]] : [])));
   const narrow = [...places.values()].sort((a, b) => a.measure - b.measure);
   const others = [...new Set(all.map(line))].filter((text) => !places.has(text));
-  const several = `tight ${narrow.map((of) => `${size(of)} at ${depthNumber(of.start, units, 0)}`).join(', ')} ${depthUnit(units)}`;
+  const several = `tight ${narrow.slice(0, NAMED).map((of) => `${size(of)} at ${depthNumber(of.start, units, 0)}`).join(', ')} ${depthUnit(units)}${narrow.length > NAMED ? `, ${narrow.length - NAMED} more` : ''}`;
   const isDead = others.filter((text) => text.startsWith('no data'));
   return [...isDead, ...(whole || narrow.length < 2 ? narrow.map(line) : [several]), ...others.filter((text) => !isDead.includes(text))];
 }

@@ -1,6 +1,7 @@
 // The places that rig mode names: the worst hole ahead of the string, and what it meets next. Ahead is where the bit moves; if it rests,
 // either way.
 
+import { INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 import { RECENT, recent } from './rig.js';
 import { turn } from './turns.js';
 import { longest } from './view.js';
@@ -19,6 +20,8 @@ export const LATE = 2; // metres of new wall that the server may not have search
 const BY = 0.25; // metres from one turn that is looked at to the next
 const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
 export const HOLDS = ['undergauge', 'key seat']; // hole in which the string may stick
+/** @param {FirstPlace} place */
+export const holds = ({ tight, zone }) => tight || Boolean(zone && HOLDS.includes(zone.kind));
 
 // Return the numbers of the widest bodies, in the order in which they hang.
 /** @param {RigidBody[]} bodies */
@@ -63,13 +66,28 @@ function unseenIn(app) {
   const found = [];
   let from = top;
   for (let depth = top; ; depth += BY) {
-    const first = Math.floor((depth - level.startDepth) / level.pitch) * level.sectors;
+    const first = level.turnAt(depth);
     if (depth < end && (depth > store.span[1] || (level.locate(first).tile && !turn(store, level, first).some((radius) => radius > 0)))) continue; // what the page has not loaded yet is no gap
     const to = Math.min(depth, end);
     if (to - from >= LEAST_UNSEEN) found.push([from, to]);
     if (depth >= within) return found;
     from = depth + BY;
   }
+}
+
+// Return the share of the radii between two depths that are measured, of those that the page has loaded.
+/** @param {App} app @param {number} top @param {number} bottom */
+export function shareSeen({ store: { levels: [level] } }, top, bottom) {
+  let [seen, all] = [0, 0];
+  for (let depth = top; depth < bottom; depth += BY) {
+    for (let j = 0; j < level.sectors; j++) {
+      const { tile, at } = level.locate(level.turnAt(depth) + j);
+      if (!tile) continue;
+      all++;
+      if (tile.texels[TEXEL * at + RADIUS] && !(tile.texels[TEXEL * at + STATE] & INTERPOLATED)) seen++;
+    }
+  }
+  return seen / all;
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
@@ -137,23 +155,14 @@ export function meeting(app, { start, stop }) {
   return met.sort((a, b) => a.left - b.left)[0] ?? null;
 }
 
-// Return the tight places of one way, the nearest first: that at which the string sticks next, and the tightest. Bodies that meet a place on
-// the other way may be tighter there, so both ways say what passes.
+// Return the tight places of one way, the nearest first.
 /** @param {App} app @param {Way} way @returns {FirstPlace[]} */
-export function tightOn({ zones, ahead, aheadSure, store, bit }, way) {
-  const { nearest, worst } = ahead?.[way] ?? {};
-  const all = WAYS.flatMap((one) => [ahead?.[one]?.nearest ?? [], ahead?.[one]?.worst ?? []]);
-  return [nearest, worst && worst[3] !== nearest?.[3] ? worst : undefined].flatMap((place) => {
-    if (!place) return [];
-    const [top, bottom, , sticksAt, first] = place;
-    const passes = Math.min(...all.map(([from = NaN, to = NaN, one = NaN]) => (from <= bottom && top <= to ? one : Infinity)));
-    const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [top, bottom]);
-    const chance = aheadSure.find((one) => one && one[1] <= bottom && one[2] >= top);
-    const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
-    const [sure = NaN, , , within = NaN, most = false] = chance ?? [];
-    return { start: zone?.start ?? top, stop: zone?.stop ?? bottom, measure: passes - 2 * store.bitRadius + (most ? within : 0), zone, sure, within, most, way, left, first, tight: true };
-  });
-}
+export const tightOn = ({ zones, ahead, aheadSure, store, bit }, way) => (ahead?.[way]?.places ?? []).map(([start, stop, passes, sticksAt, first]) => {
+  const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [start, stop]);
+  const [sure = NaN, , , within = NaN, most = false] = aheadSure.find((one) => one && one[1] <= stop && one[2] >= start) ?? [];
+  const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
+  return { start, stop, measure: passes - 2 * store.bitRadius + (most ? within : 0), zone, sure, within, most, way, left, first, tight: true };
+});
 
 // Whether undergauge hole within reach is no tight place: every body of the string passes it.
 /** @param {App} app @param {Zone} zone */
@@ -164,27 +173,27 @@ export function isPassed(app, { kind, start, stop }) {
 
 // Return the worst place ahead; the next one, by which body of the string ever: that may hold it, was not seen, or is the worst; and the tight
 // place that it meets next; null if nothing is ahead. Tight hole comes before the zones, and of them that which counts most. `most`: that body
-// may stick earlier, in hole not seen. `count`: of tight places on the way of the worst. `sure`: the probability that the string sticks there, or that the zone is of its kind.
-/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, sticks: FirstPlace | undefined, count: number, most: boolean } | null} */
+// may stick earlier, in hole not seen. `tight`: all tight places, the nearest first. `sure`: the probability that the string sticks there, or that the zone is of its kind.
+/** @param {App} app @returns {{ worst: FirstPlace, next: FirstPlace, sticks: FirstPlace | undefined, tight: FirstPlace[], most: boolean } | null} */
 export function placesAhead(app) {
   const { bit, zones } = app;
   const ends = reach(app);
   const ways = waysOf(app);
-  const tight = ways.flatMap((way) => tightOn(app, way));
+  const tight = ways.flatMap((way) => tightOn(app, way)).sort((a, b) => a.left - b.left);
   const others = byConsequence(zones.filter((zone) => zone.stop > ends[0] && zone.start < ends[1] && !isPassed(app, zone) && !tight.some((of) => of.start < zone.stop && zone.start < of.stop))).flatMap((zone) => {
     const met = meeting(app, zone);
     const { start, stop, measure, within, confidence: sure } = zone;
     return met || bit === null ? [/** @type {FirstPlace} */ ({ start, stop, measure, within, zone, sure, tight: false, ...(met ?? { left: NaN, first: 'bit', way: '' }) })] : [];
   });
-  const [worst] = [...tight.sort((a, b) => a.measure - b.measure), ...others];
+  const [worst] = [...tight.toSorted((a, b) => a.measure - b.measure), ...others];
   if (!worst) return null;
   /** @param {FirstPlace[]} of */
   const nearest = (of) => [...of].sort((a, b) => a.left - b.left)[0];
-  const sticks = nearest(tight);
+  const [sticks] = tight;
   const unseen = unseenAhead(app);
-  const holds = others.filter(({ zone }) => zone && HOLDS.includes(zone.kind));
-  const next = nearest([...tight, ...holds, ...unseen.slice(0, 1), ...(tight.length + holds.length ? [] : [worst])]);
-  return { worst, next, sticks, most: unseen.some(({ way, left, first }) => way === sticks?.way && first === sticks.first && left < sticks.left), count: worst.tight && worst.way ? (app.ahead?.[worst.way]?.places ?? 1) : 1 };
+  const held = [...tight, ...others.filter(holds)];
+  const next = nearest([...held, ...unseen.slice(0, 1), ...(held.length ? [] : [worst])]);
+  return { worst, next, sticks, most: unseen.some(({ way, left, first }) => way === sticks?.way && first === sticks.first && left < sticks.left), tight };
 }
 
 // Return top and length of the section that rig mode shows: the last metres with the bit, and the places ahead that are named. If the bit has

@@ -118,7 +118,7 @@ interface Handshake {
 }
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
-interface TightAhead { places: number; nearest: TightPlace; worst: TightPlace }
+interface TightAhead { places: TightPlace[] } // from that which the string meets first
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][]; doubtful?: ([at: number, start: number, stop: number] | null)[][] }
 type Chance = [sure: number, top: number, bottom: number, within?: number, most?: boolean] | null; // of the place between two depths; half the interval of what passes, and whether it passes at most
 type Way = 'up' | 'down';

@@ -30,7 +30,7 @@ export const depthNumber = (metres, units, digits = 2) => (metres * LENGTHS[unit
 /** @param {number | undefined} metres @param {Units} units @param {number} [digits] */
 export const showDepth = (metres = NaN, units, digits = 2) => (Number.isFinite(metres) ? `${depthNumber(metres, units, digits)} ${depthUnit(units)}` : '–');
 /** @param {number} start @param {number} stop @param {Units} units */
-export const showSpan = (start, stop, units) => `${depthNumber(start, units, 1)}–${showDepth(stop, units, 1)}`;
+export const showSpan = (start, stop, units) => `${[...new Set([start, stop].map((end) => depthNumber(end, units, 1)))].join('–')} ${depthUnit(units)}`;
 /** @param {number} degrees @param {number} [digits] */
 export const showAngle = (degrees, digits = 1) => {
   if (!Number.isFinite(degrees)) return '–';

@@ -60,4 +60,5 @@ test('feet are round numbers of feet at depths in metres', () => {
   assert.equal(showDepth(304.8, 'ft'), '1000.00 ft');
   assert.equal(showDepth(304.8, 'in'), '304.80 m');
   assert.equal(showSpan(304.8, 335.28, 'ft'), '1000.0–1100.0 ft');
+  assert.equal(showSpan(2553.11, 2553.14, 'mm'), '2553.1 m', 'what is short has one depth');
 });
