@@ -304,6 +304,8 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         assert screen.inner_text("#rigWorstMore") == "too little seen in 1015.0–1020.0 m"
         unseen = ["Next going down: unseen hole in", "5.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit"]
+        where = "document.getElementById('rigWhereCell').className"
+        assert screen.evaluate(where) == "unknown", "hatched, as in the picture"
         scene.update_state(ahead=ahead | {"unseen": ((None, None),) * 2})
         screen.until(f"{digits}.startsWith('none')")
         assert re.match(r"\d\d % seen of 1005\.0–", screen.inner_text("#rigWorstMore"))
@@ -360,6 +362,12 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
             "also the slimmer one"
         )
         assert {tuple(row[1:3]) for row in rows} == {("at most", "+7 mm")}, "of the interval, the upper end"
+        viewer.scene.update_state(bit_depth=1021.0, string=string | {"bit": 1021.0})
+        screen.until("document.querySelectorAll('#rigBodies .new').length")
+        held = "[...document.querySelectorAll('#rigBodies .name.new')].map((at) => at.firstChild.textContent)"
+        assert screen.evaluate(held) == ["near-bit", "bit"], "as on the card"
+        viewer.scene.update_state(bit_depth=1028.0, string=string)
+        screen.until("!document.querySelectorAll('#rigBodies .new').length")
         assert [row[3] for row in rows] == ["1.0 m", "none", "4.0 m key seat", "5.7 m key seat"]
         assert [row[4] for row in rows] == ["10.0 m key seat", "2.0 m key seat", "none", "none"]
         tags = "[...document.querySelectorAll('#rigBodies .name .note')].map((at) => at.textContent)"

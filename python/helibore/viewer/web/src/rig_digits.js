@@ -117,8 +117,8 @@ function writeWorst(app) {
   const stale = isStale(app);
   const stuck = stale ? -1 : hanging.findIndex((_, i) => sticksNow(app, i));
   const { name, depth: here = NaN } = hanging[stuck] ?? {};
-  /** @param {string} colour @param {unknown} isNext */
-  const mark = (colour, isNext) => [byId('rigWorstCell').className, byId('rigWhereCell').className] = [colour, isNext ? 'new' : ''];
+  /** @param {string} worst @param {string} coming */
+  const mark = (worst, coming) => [byId('rigWorstCell').className, byId('rigWhereCell').className] = [worst, coming];
   /** @param {FirstPlace} [other] */
   const and = (other) => (other ? `; ${other.first} ${other.way} in ${showDepth(Math.max(0, other.left), units, 1)}` : '');
   /** @param {FirstPlace} [other] */
@@ -131,16 +131,17 @@ function writeWorst(app) {
     const last = name ? ['not sure', `tight at ${name}`] : doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     const far = stale || digits === 'looking' ? undefined : tightBeyond(app);
-    mark(digits === 'none' ? '' : 'unknown', name);
+    const coming = (digits === 'not known' && !stale && unseen) || far;
+    mark(digits === 'none' ? '' : 'unknown', name ? 'new' : coming && coming === unseen ? 'unknown' : '');
     cell('rigWorst', `Worst ${ahead?.moving ? `going ${ahead.moving}` : 'place'}${digits === 'none' ? limitOf(app) : ''}`, digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
     if (name) return now();
     if (doubt && digits === 'not sure') return cell('rigWhere', `Next going ${doubt.way}: may stick in`, ...distance(doubt.left, units, true), doubt.first);
-    const coming = (digits === 'not known' && !stale && unseen) || far;
     if (!coming) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', nextHead(coming), ...distance(coming.left, units), coming.first);
   }
   const { worst, next, sticks, tight, most } = found;
-  mark(holds(worst) ? 'new' : '', name || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving));
+  const isFast = name || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving);
+  mark(holds(worst) ? 'new' : '', isFast ? 'new' : !stale && kindOf(next) === UNSEEN ? 'unknown' : '');
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
   /** @param {FirstPlace} of */
@@ -282,7 +283,7 @@ function rowOf(app, i) {
     if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
     return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
   });
-  const state = isStuck ? 'new' : known && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
+  const state = isStuck || ways.some(([digits], side) => digits === 'now' && ahead?.moving === WAYS[side]) ? 'new' : known && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
   return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
 }
 
