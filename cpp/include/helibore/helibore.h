@@ -119,6 +119,8 @@ typedef struct hb_settings {
     int64_t other_turns_count;
     const double* other_turns; /* NULL: none; else read by hb_wall_create alone */
     int64_t robust;            /* 1: samples that differ from all beside them hardly count */
+    int64_t stretches_count;
+    const double* stretches; /* NULL: none; else read by hb_wall_create alone */
 } hb_settings;
 
 #define HB_MINIMUM_CURVATURE 0

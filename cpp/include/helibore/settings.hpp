@@ -48,6 +48,11 @@ struct Settings {
     // and nine values as above, of two terms, with the turn and the same R. The share of `covariance` is the rest. A
     // radius is then the mean by all of them, and its variance the expected square about this.
     std::vector<double> other_turns = {};
+    // near_and_far, for a hole that changes along it: for each stretch the depth at which it begins, and twelve values
+    // as above, of three terms, of which the variance of the third may be 0, and the turn. A vertex has the covariance
+    // of its stretch, and `covariance` above the first.
+    std::vector<double> stretches = {};
+    static constexpr std::size_t of_turn = 10, of_stretch = 13;  // values of each other turn, of each stretch
     bool robust = false;                // near_and_far: samples that differ from all beside them hardly count
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally

@@ -52,7 +52,9 @@ hb_settings to_c(const Settings& s) {
                   .covariance = {},
                   .other_turns_count = 0,
                   .other_turns = nullptr,
-                  .robust = s.robust};
+                  .robust = s.robust,
+                  .stretches_count = 0,
+                  .stretches = nullptr};
     std::ranges::copy(s.covariance, c.covariance);
     return c;
 }
@@ -71,6 +73,8 @@ Settings settings_of(const hb_settings* given) {
     const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
     require(s.other_turns_count >= 0, "other_turns_count", Index{s.other_turns_count}, "must be 0 or more");
     const std::span<const double> turns = array("other_turns", s.other_turns, s.other_turns_count);
+    require(s.stretches_count >= 0, "stretches_count", Index{s.stretches_count}, "must be 0 or more");
+    const std::span<const double> stretches = array("stretches", s.stretches, s.stretches_count);
     return {.bit_diameter = s.bit_diameter,
             .sectors = s.sectors,
             .pitch = s.pitch,
@@ -89,6 +93,7 @@ Settings settings_of(const hb_settings* given) {
             .nugget = s.nugget,
             .covariance = {s.covariance, s.covariance + s.covariance_count},
             .other_turns = {turns.begin(), turns.end()},
+            .stretches = {stretches.begin(), stretches.end()},
             .robust = s.robust != 0,
             .sigma = s.sigma != 0,
             .direct = s.direct != 0,

@@ -113,7 +113,7 @@ struct NearFar::Scratch {
     kernel::SharedRoom room;
 };
 
-NearFar::NearFar(const Settings& settings, std::size_t number)
+NearFar::NearFar(const Settings& settings, std::size_t number, std::vector<Excess> excess)
     : rule_{},
       near_((3 * settings.neighbors + 7) / 8),
       near_long_(repeats_after_half_a_turn(settings) ? (near_ + 1) / 2 : near_),
@@ -124,7 +124,8 @@ NearFar::NearFar(const Settings& settings, std::size_t number)
       max_square_(max_distance_ * max_distance_ * (1.0 - 1e-9)),  // all of these samples are neighbours for the search
       short_stretch_(settings.covariance[4] / std::abs(settings.covariance[3])),
       robust_(settings.robust),
-      number_(number) {
+      number_(number),
+      excess_(std::move(excess)) {
     const std::vector<double>& values = settings.covariance;
     rule_.radius = values[0];
     rule_.noise = values[1];
@@ -310,6 +311,11 @@ void NearFar::judge(Scratch& scratch) const {
     const std::vector<std::uint32_t>& starts = scratch.starts;
     const std::size_t count = starts.size() - 1;
     scratch.added.assign(count, 0.0);
+    if (excess_.size() > 1)
+        for (std::size_t k = 0; k < count; ++k) {
+            const double depth = scratch.members[starts[k]].depth;
+            scratch.added[k] = std::prev(std::ranges::upper_bound(excess_, depth, {}, &Excess::start))->noise;
+        }
     if (!robust_) return;
     const auto single = [&](std::size_t k) { return starts[k + 1] == starts[k] + 1; };
     const double degree = rule_.radius * kernel::metres_a_degree, tolerance = most_off * std::sqrt(rule_.noise);
@@ -349,7 +355,7 @@ void NearFar::judge(Scratch& scratch) const {
         }
         if (std::max(own.radius - high, low - own.radius) <= tolerance) continue;
         const double off = own.radius - 0.5 * (low + high);
-        scratch.added[k] = off * off;
+        scratch.added[k] += off * off;
     }
 }
 
@@ -388,7 +394,7 @@ void NearFar::krige(kernel::Group& g, Scratch& scratch, const Value& value) cons
         const std::size_t number = key % (std::uint64_t{1} << number_bits);
         const std::uint32_t* start = &scratch.starts[number];
         auto mean = mean_of(std::span(scratch.members).subspan(start[0], start[1] - start[0]), value);
-        mean.count /= 1.0 + scratch.added[number] / rule_.noise;  // exact where nothing is added
+        mean.count /= 1.0 + mean.count * scratch.added[number] / rule_.noise;  // exact where nothing is added
         if (mean.count > 0.0) scratch.rows.push_back(mean);
     }
     const int n = static_cast<int>(scratch.rows.size());
@@ -451,56 +457,101 @@ void NearFar::interpolate(const Samples& samples, const Helix& helix, Index grou
 }
 
 LikelyNearFar::LikelyNearFar(const Settings& settings) {
-    each_.push_back({1.0, NearFar(settings, 0)});
-    for (auto other = settings.other_turns.begin(); other != settings.other_turns.end(); other += 10) {
-        Settings of = settings;
-        of.covariance.assign(other + 1, other + 10);
-        each_.push_back({*other, NearFar(of, each_.size())});
+    struct Stretch {
+        double start;
+        std::vector<double> covariance;
+    };
+    std::vector<Stretch> all{{-no_limit, settings.covariance}};
+    for (std::size_t at = 0; at < settings.stretches.size(); at += Settings::of_stretch) {
+        const double* values = &settings.stretches[at + 1];
+        all.push_back({values[-1], {values, values + (values[8] > 0.0 ? 11 : 8)}});
+        if (values[11] != 0.0) all.back().covariance.push_back(values[11]);
+    }
+    // Returns the variance of a sample.
+    const auto variance = [](const std::vector<double>& covariance) {
+        double sum = covariance[1];
+        for (std::size_t term = 2; term + 3 <= covariance.size(); term += 3) sum += covariance[term];
+        return sum;
+    };
+    Settings of = settings;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        std::vector<NearFar::Excess> excess;
+        for (const Stretch& other : all) {
+            const double off = other.covariance[0] - all[k].covariance[0];
+            const double more = variance(other.covariance) - variance(all[k].covariance);
+            excess.push_back({other.start, std::max(more, 0.0) + off * off});
+        }
+        of.covariance = all[k].covariance;
+        const double stop = k + 1 < all.size() ? all[k + 1].start : no_limit;
+        each_.push_back({1.0, all[k].start, stop, NearFar(of, k, std::move(excess))});
+    }
+    for (auto other = settings.other_turns.begin(); other != settings.other_turns.end(); other += Settings::of_turn) {
+        of.covariance.assign(other + 1, other + Settings::of_turn);
+        each_.push_back({*other, -no_limit, no_limit, NearFar(of, each_.size(), {{-no_limit, 0.0}})});
         each_[0].share -= *other;
     }
 }
 
+template <class Use>
+void LikelyNearFar::each_of(const Helix& helix, Index group, Use use) const {
+    const double first = helix.depth(group * lanes), last = helix.depth(group * lanes + lanes - 1);
+    for (const One& one : each_)
+        if (one.start <= std::max(first, last) && std::min(first, last) < one.stop) use(one);
+}
+
 void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group, Search::Scratch& scratch,
                         GroupResult& result) const {
-    each_[0].by.run(samples, helix, group, scratch, result);
-    if (each_.size() == 1) return;
-    std::vector<GroupResult> found(each_.size(), result);
-    for (std::size_t k = 1; k < each_.size(); ++k) {
-        each_[k].by.run(samples, helix, group, scratch, found[k]);
+    std::vector<const One*> used;
+    each_of(helix, group, [&](const One& one) { used.push_back(&one); });
+    const std::size_t count = used.size();
+    used[0]->by.run(samples, helix, group, scratch, result);
+    if (count == 1) return;
+    std::vector<GroupResult> found(count, result);
+    for (std::size_t k = 1; k < count; ++k) {
+        used[k]->by.run(samples, helix, group, scratch, found[k]);
         result.shallow = std::min(result.shallow, found[k].shallow);
         result.deep = std::max(result.deep, found[k].deep);
+        result.least_trial = std::min(result.least_trial, found[k].least_trial);
     }
     for (Index i = 0; i < lanes; ++i) {
+        const double depth = helix.depth(group * lanes + i);
         double radius = 0.0, square = 0.0, scatter = 0.0;
-        for (std::size_t k = 0; k < each_.size(); ++k) radius += each_[k].share * found[k].radius[i];
-        for (std::size_t k = 0; k < each_.size(); ++k) {
+        const auto first = static_cast<std::size_t>(
+            std::ranges::find_if(used, [&](const One* one) { return one->holds(depth); }) - used.begin());
+        result.nearest[i] = found[first].nearest[i];
+        result.support[i] = found[first].support[i];
+        for (std::size_t k = first; k < count; ++k)
+            if (used[k]->holds(depth)) radius += used[k]->share * found[k].radius[i];
+        for (std::size_t k = first; k < count; ++k) {
+            if (!used[k]->holds(depth)) continue;
             const double off = found[k].radius[i] - radius;
-            square += each_[k].share * (found[k].sums.square_weights[i] + off * off);
-            scatter += each_[k].share * found[k].sums.scatter[i];
+            square += used[k]->share * (found[k].sums.square_weights[i] + off * off);
+            scatter += used[k]->share * found[k].sums.scatter[i];
         }
         result.radius[i] = radius;
         result.sums.square_weights[i] = square;
         result.sums.scatter[i] = scatter;
+        result.sums.along[i] = found[first].sums.along[i];
+        result.sums.across[i] = found[first].sums.across[i];
     }
 }
 
 void LikelyNearFar::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                                 Search::Scratch& scratch, std::span<const std::span<const double>> channels,
                                 std::span<double* const> out) const {
-    each_[0].by.interpolate(samples, helix, group, vertex_count, scratch, channels, out);
-    if (each_.size() == 1) return;
     const Index used = std::min(lanes, vertex_count - group * lanes);
     std::vector<double> values(channels.size() * static_cast<std::size_t>(lanes));
     std::vector<double*> columns;
     for (std::size_t c = 0; c < channels.size(); ++c) {
         columns.push_back(values.data() + c * static_cast<std::size_t>(lanes));
-        for (Index i = 0; i < used; ++i) out[c][i] *= each_[0].share;
+        std::fill_n(out[c], used, 0.0);
     }
-    for (std::size_t k = 1; k < each_.size(); ++k) {
-        each_[k].by.interpolate(samples, helix, group, vertex_count, scratch, channels, columns);
-        for (std::size_t c = 0; c < channels.size(); ++c)
-            for (Index i = 0; i < used; ++i) out[c][i] += each_[k].share * columns[c][i];
-    }
+    each_of(helix, group, [&](const One& one) {
+        one.by.interpolate(samples, helix, group, vertex_count, scratch, channels, columns);
+        for (Index i = 0; i < used; ++i)
+            if (one.holds(helix.depth(group * lanes + i)))
+                for (std::size_t c = 0; c < channels.size(); ++c) out[c][i] += one.share * columns[c][i];
+    });
 }
 
 }  // namespace helibore

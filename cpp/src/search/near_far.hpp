@@ -19,6 +19,12 @@
 // others that are nearest to it in the short metric, by more than 2.5 deviations of the noise, has more noise: the
 // square of its distance from their middle is added. So a spike hardly counts. The eight samples before and after it in
 // canonical order are none of these: a tool often errs several times in a row. Means are not judged.
+//
+// With Settings::stretches, a vertex has the covariance of its stretch of the hole:
+//
+//     quiet          | washed out      | quiet       depth -->
+//      a vertex here . . . . . these samples have more noise for it: by how much their stretch varies more, and by the
+//                                    square of the difference of the two R; so they count little
 #pragma once
 
 #include <memory>
@@ -31,8 +37,12 @@ namespace helibore {
 
 class NearFar {
   public:
-    // `number`: which of the likely covariances it is.
-    NearFar(const Settings& settings, std::size_t number);
+    // The extra noise of samples from a depth on, square metres.
+    struct Excess {
+        double start, noise;
+    };
+    // `number`: which of the covariances it is. `excess`: of each stretch of the hole.
+    NearFar(const Settings& settings, std::size_t number, std::vector<Excess> excess);
 
     // Memory of one worker.
     struct Scratch;
@@ -77,9 +87,11 @@ class NearFar {
     double short_stretch_;                        // the same of the short metric
     bool robust_;
     std::size_t number_;
+    std::vector<Excess> excess_;
 };
 
-// The mean by the likely covariances, Settings::covariance and other_turns, weighted by their shares.
+// Each vertex by the covariance of its stretch, or the mean by Settings::covariance and other_turns, weighted by their
+// shares.
 class LikelyNearFar {
   public:
     explicit LikelyNearFar(const Settings& settings);
@@ -93,9 +105,13 @@ class LikelyNearFar {
 
   private:
     struct One {
-        double share;
+        double share, start, stop;  // of the vertices from depth `start` to `stop`
         NearFar by;
+        bool holds(double depth) const { return start <= depth && depth < stop; }
     };
+    // Calls use(one) for each that holds one of the vertices of a group.
+    template <class Use>
+    void each_of(const Helix& helix, Index group, Use use) const;
     std::vector<One> each_;
 };
 

@@ -25,8 +25,9 @@ void require_within(const char* name, Index value, Index least, Index most) {
             "must lie in " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-// Requires the rules of a covariance, which is a part of a setting from one of its values on.
-void require_covariance(const char* name, std::span<const double> values, std::size_t first) {
+// Requires the rules of a covariance, which is a part of a setting from one of its values on. With `open`, the variance
+// of the third term may be 0.
+void require_covariance(const char* name, std::span<const double> values, std::size_t first, bool open = false) {
     const std::size_t n = values.size();
     const bool turns = n % 3 == 0;  // the last value is then the turn
     const auto entry = [&](std::size_t i) { return entry_name(name, static_cast<Index>(first + i)); };
@@ -36,6 +37,7 @@ void require_covariance(const char* name, std::span<const double> values, std::s
     for (std::size_t i = 0; i < n - turns; ++i) {
         const bool square = i == 1 || (i >= 2 && i % 3 == 2);
         const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};
+        if (open && i == 8 && values[i] == 0.0) continue;
         const double value = i == 3 || i == 6 ? std::abs(values[i]) : values[i];  // below 0: Settings::covariance
         require(value >= least && value <= most, entry(i), values[i],
                 square ? "must lie in 1e-14 to 100" : "must lie in 0.0001 to 1000000");
@@ -45,7 +47,8 @@ void require_covariance(const char* name, std::span<const double> values, std::s
 void require_covariances(const Settings& settings) {
     const std::vector<double>& values = settings.covariance;
     const std::vector<double>& others = settings.other_turns;
-    const std::size_t n = values.size(), of_other = 10;
+    const std::vector<double>& stretches = settings.stretches;
+    const std::size_t n = values.size(), of_other = Settings::of_turn, of_stretch = Settings::of_stretch;
     if (n < 5 || n > 12 || n % 3 == 1)
         throw InputError("covariance", "must have 5, 8 or 11 values, or a turn as one more", std::to_string(n));
     require_covariance("covariance", values, 0);
@@ -58,6 +61,17 @@ void require_covariances(const Settings& settings) {
         require(others[i] > 0.0 && rest > 0.0, entry(i), others[i], "must be above 0, and the sum of shares below 1");
         require(others[i + 1] == values[0], entry(i + 1), others[i + 1], "must be the radius of the covariance");
         require_covariance("other_turns", std::span(others).subspan(i + 1, of_other - 1), i + 1);
+    }
+    if (stretches.size() % of_stretch != 0)
+        throw InputError("stretches", "must have thirteen numbers for each stretch", std::to_string(stretches.size()));
+    if (!stretches.empty() && !others.empty())
+        throw InputError("stretches", "must not be given with other_turns", std::to_string(stretches.size()));
+    for (std::size_t i = 0; i < stretches.size(); i += of_stretch) {
+        const std::string start = entry_name("stretches", static_cast<Index>(i));
+        require_depth(start.c_str(), stretches[i]);
+        require(i == 0 || stretches[i] > stretches[i - of_stretch], start, stretches[i],
+                "must be below the stretch before");
+        require_covariance("stretches", std::span(stretches).subspan(i + 1, of_stretch - 1), i + 1, true);
     }
     if (settings.window)
         throw InputError("window", "must not be given with near-and-far", std::to_string(*settings.window));

@@ -25,6 +25,7 @@ class WallSettings(TypedDict, total=False):
     nugget: float
     covariance: tuple[float, ...] | None
     other_turns: tuple[float, ...] | None
+    stretches: tuple[float, ...] | None
     robust: bool
     arm_biases: tuple[float, ...] | None
     sigma: bool

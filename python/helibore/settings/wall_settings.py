@@ -31,6 +31,9 @@ BIASES = Rule(
     "must have 1 to 256 numbers of -0.1 to 0.1 m",
     lambda values: 1 <= len(values) <= 256 and all(-0.1 <= of <= 0.1 for of in values),
 )
+STRETCHES = Rule(
+    "must have thirteen numbers for each stretch", lambda values: len(values) > 0 and len(values) % 13 == 0
+)
 TURNS = Rule("must have ten numbers for each turn", lambda values: len(values) > 0 and len(values) % 10 == 0)
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
@@ -38,7 +41,7 @@ USUAL: Literal["inverse-distance", "automatic"] = "automatic"
 """The estimator where none is stated and all samples are there."""
 CHOSEN = (
     "neighbors", "window", "power", "max_iterations", "tolerance", "angular_scale", "kriging_range", "nugget",
-    "covariance", "other_turns", "robust", "direct",
+    "covariance", "other_turns", "stretches", "robust", "direct",
 )  # fmt: skip
 """Settings that 'automatic' chooses, or cannot have: stating one states that it shall not choose."""
 
@@ -127,6 +130,13 @@ class Settings(Declared, group="wall"):
         "its share of the probability and nine values, with the same R, two terms and the turn. The share of "
         "``covariance`` is the rest. A radius is the mean by all of them, and `Wall.sigma` contains what they differ. "
         "'automatic' finds them.",
+    ] = None  # fmt: skip
+    stretches: Annotated[tuple[float, ...] | None, STRETCHES,
+        "Covariances of the stretches of a hole that changes along it, for 'near-and-far': for each the depth at which "
+        "it begins and twelve values as of ``covariance``, of three terms, where the variance of the third may be 0, "
+        "and the turn. A vertex has the covariance of its stretch, and ``covariance`` above the first. Samples of "
+        "other stretches have more noise for it: by how much they vary more, and by the square of the difference of "
+        "the two R. 'automatic' finds them. None: the hole is alike all along.",
     ] = None  # fmt: skip
     robust: Annotated[bool,
         "'near-and-far': a sample that lies beyond the radii of the eight samples beside it by more than 2.5 "

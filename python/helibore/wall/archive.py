@@ -156,7 +156,7 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
 
 def _settings(settings: Settings) -> dict[str, Any]:
     """Return the settings by name, without later ones that are not set: an archive older than they keeps its bytes."""
-    later = {"covariance": None, "other_turns": None, "arm_biases": None, "robust": False}
+    later = {"covariance": None, "other_turns": None, "stretches": None, "arm_biases": None, "robust": False}
     return {name: value for name, value in asdict(settings).items() if name not in later or value != later[name]}
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +39,8 @@ FARTHEST_ALIKE = 15.0
 """Metres along the hole over which samples count, at most, in the gaps of a wall with a covariance."""
 _ONE_BLOCK = 300
 """So many samples are one block: their likelihood is exact, and costs less than that of small blocks."""
-_BLOCKS, _BLOCK_SIZE = 12, 64
+_BLOCKS, BLOCK_SIZE = 12, 64
+"""Blocks of each of six kinds, and samples of a block."""
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
 _ROOT3 = float(np.sqrt(3.0))
 _PLACES = 100
@@ -105,6 +106,13 @@ class Covariance:
         return float(np.clip(max(term.along for term in self.terms), 0.5, FARTHEST_ALIKE))
 
 
+class Stretch(NamedTuple):
+    """A stretch of a hole, with its own covariance."""
+
+    start: float  # the depth from which on it counts, metres
+    covariance: Covariance
+
+
 Likely = list[tuple[Covariance, float]]
 """Covariances, each with its share of the probability, the greatest first."""
 
@@ -143,16 +151,27 @@ def likely_covariances(
     if depth.size < FEWEST or float(np.ptp(radius)) < 1e-9:
         return []
     middle = float(np.median(radius))
-    rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
-    chosen = rows.reshape(-1)
-    blocks = depth[chosen], toolface[chosen], radius[chosen]
-    if robust:
-        spikes, beside = find_spikes(samples, chosen)
-        blocks = *blocks[:2], np.where(spikes, beside, blocks[2])
-    spacing = float(np.sqrt(2.0 * np.pi * middle * np.ptp(depth) / depth.size))
+    rows = np.arange(depth.size)[None]  # few samples are one block
+    if depth.size > _ONE_BLOCK:
+        rows = choose_blocks(depth, toolface, middle, np.random.default_rng(content_seed(samples)))
+    blocks, spacing = values_without_spikes(samples, rows.ravel(), robust), typical_spacing(samples, middle)
     least_turn = np.inf if not turning else 0.0 if shows_around(samples, _SAME_DEPTH) else _LEAST_TURN
     found = _core.fit_covariance(blocks, rows.shape[1], middle, spacing, least_turn, thread_count(threads))
     return [(covariance_of(values), share) for values, share in found]
+
+
+def values_without_spikes(samples: Columns, rows: Integers, robust: bool) -> Columns:
+    """Return some of the samples; if ``robust``, spikes among them have the radius of the samples beside them."""
+    depth, toolface, radius = (column[rows] for column in samples)
+    if robust:
+        spikes, beside = find_spikes(samples, rows)
+        radius = np.where(spikes, beside, radius)
+    return depth, toolface, radius
+
+
+def typical_spacing(samples: Columns, radius: float) -> float:
+    """Return the typical distance between samples on a wall of a radius, metres."""
+    return float(np.sqrt(2.0 * np.pi * radius * np.ptp(samples[0]) / samples[0].size))
 
 
 def shows_around(samples: Columns, reach: float) -> bool:
@@ -165,7 +184,7 @@ def shows_around(samples: Columns, reach: float) -> bool:
     sums, pairs = np.zeros(3), 0
     for at in depth[spread(depth.size, _PLACES)]:
         low, high = np.searchsorted(depth, [at - 0.5 * reach, at + 0.5 * reach])
-        near = np.radians(toolface[low + spread(high - low, _BLOCK_SIZE)])
+        near = np.radians(toolface[low + spread(high - low, BLOCK_SIZE)])
         for arms in range(3):
             sums[arms] += np.abs(np.exp(1j * (arms + 1) * near).sum()) ** 2 - near.size
         pairs += near.size * (near.size - 1)
@@ -176,6 +195,8 @@ def covariance_of(values: Sequence[float]) -> Covariance:
     """Return the covariance that the setting ``covariance`` of a wall holds."""
     radius, noise, *lengths = values
     turn = lengths.pop() if len(lengths) % 3 else 0.0
+    if lengths[6:7] == [0.0]:  # the third term of a stretch that has two
+        del lengths[6:]
     half_turns = len(values) > _LONG_AROUND and values[_LONG_AROUND] < 0.0
     terms = tuple(Term(lengths[i], abs(lengths[i + 1]), lengths[i + 2]) for i in range(0, len(lengths), 3))
     return Covariance(terms, noise, radius, turn, half_turns, values[_SHORT_AROUND] < 0.0)
@@ -187,6 +208,42 @@ def other_turns(likely: Likely) -> tuple[float, ...] | None:
     return tuple(value for of in values for value in of) or None
 
 
+def stretches_of(settings: Settings) -> list[Stretch]:
+    """Return the stretches of the hole that the settings of a wall have; the first is what lies above the others."""
+    others = np.reshape(settings.stretches or (), (-1, 13)).tolist()
+    first = Stretch(-np.inf, covariance_of(settings.covariance or ()))
+    return [first, *(Stretch(start, covariance_of(values)) for start, *values in others)]
+
+
+def stretch_of(stretches: Sequence[Stretch], depth: Floats) -> Integers:
+    """Return the number of the stretch at each depth."""
+    return np.searchsorted([of.start for of in stretches], depth, side="right") - 1
+
+
+def noise_at(settings: Settings, depth: Floats) -> Floats:
+    """Return the noise variance of samples at depths, m^2."""
+    stretches = stretches_of(settings)
+    noise: Floats = np.array([each.covariance.noise for each in stretches])[stretch_of(stretches, depth)]
+    return noise
+
+
+def excess_noise(stretches: Sequence[Stretch], number: int) -> Floats:
+    """Return for each stretch what its samples have more of noise for vertices of the stretch ``number``, m^2."""
+    own = stretches[number].covariance
+    levels = np.array([(of.radius, of.noise + of.variance) for _, of in stretches]).T
+    more: Floats = np.maximum(levels[1] - own.noise - own.variance, 0.0) + (levels[0] - own.radius) ** 2
+    return more
+
+
+def stretch_values(stretches: Sequence[Stretch]) -> tuple[float, ...] | None:
+    """Return the setting ``stretches`` of a wall; None for none."""
+    values: list[float] = []
+    for start, of in stretches:
+        shape = replace(of, turn=0.0).values
+        values += [start, *shape, *((0.0, 1.0, 1.0) if len(of.terms) == 2 else ()), of.turn]
+    return tuple(values) or None
+
+
 def likely_by(settings: Settings) -> Likely:
     """Return the covariances that the settings of a wall leave likely, with their shares; that of the wall first."""
     others = np.reshape(settings.other_turns or (), (-1, 10)).tolist()
@@ -195,19 +252,19 @@ def likely_by(settings: Settings) -> Likely:
     return [(covariance_of(values), share) for values, share in zip(covariances, shares, strict=True)]
 
 
-def choose_blocks(depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator) -> Integers:
-    """Return the rows of the samples of each block, (blocks, samples).
+def choose_blocks(
+    depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator, number: int = _BLOCKS
+) -> Integers:
+    """Return the rows of the samples of each block, (blocks, samples): ``number`` of each of six kinds.
 
-    Few samples are one block. Else the first blocks hold the samples nearest to random places on the wall, the others
+    The first blocks hold the samples nearest to random places on the wall, the others
     random samples of windows.
     """
-    if depth.size <= _ONE_BLOCK:
-        return np.arange(depth.size)[None]
-    size = _BLOCK_SIZE
-    places = zip(rng.uniform(depth[0], depth[-1], _BLOCKS), rng.uniform(0.0, 360.0, _BLOCKS), strict=True)
+    size = BLOCK_SIZE
+    places = zip(rng.uniform(depth[0], depth[-1], number), rng.uniform(0.0, 360.0, number), strict=True)
     chosen = [_nearest(depth, toolface, radius, place, size) for place in places]
     for window in _WINDOWS:
-        for centre in rng.uniform(depth[0], depth[-1], _BLOCKS):
+        for centre in rng.uniform(depth[0], depth[-1], number):
             low, high = np.searchsorted(depth, [centre - window / 2, centre + window / 2])
             if high - low < size:
                 low = int(np.clip((low + high - size) // 2, 0, depth.size - size))

@@ -7,7 +7,7 @@ left out, and a place has its expected error under the covariance.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, distinct
 from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import Covariance, Term, likely_by
+from helibore.wall.covariance import Covariance, Stretch, Term, excess_noise, likely_by, stretch_of, stretches_of
 from helibore.wall.estimates import Boxes, Columns, in_core
 from helibore.wall.spikes import BURST
 
@@ -52,10 +52,15 @@ class Places:
     """Neighbours of places on the wall among the samples, which are in order of depth."""
 
     def __init__(
-        self, samples: Columns, covariance: Covariance, count: int, max_distance: float, robust: bool = False
-    ) -> None:
-        self.samples, self.covariance, self.count, self.max_distance = samples, covariance, count, max_distance
-        self.robust = robust
+        self, samples: Columns, of: Covariance | tuple[Sequence[Stretch], int], count: int, max_distance: float,
+        robust: bool = False,
+    ) -> None:  # fmt: skip
+        """``of``: the covariance, or stretches of the hole and the number of that in which the places lie."""
+        stretches, number = ([Stretch(-np.inf, of)], 0) if isinstance(of, Covariance) else of
+        covariance = stretches[number].covariance
+        self.samples, self.covariance, self.count = samples, covariance, count
+        self.max_distance, self.robust = max_distance, robust
+        self._stretches, self._excess = stretches, excess_noise(stretches, number)
         self._long = covariance.terms[min(1, len(covariance.terms) - 1)]
         noisy = covariance.noise > _LARGE_NOISE * self._long.variance
         self._share, self._averaged = (SMALL_SHARE, _MOST_AVERAGED) if noisy else (SHARE, 1)
@@ -158,7 +163,7 @@ class Places:
     def between(self, of: Neighbours) -> Floats:
         """Return the covariances of neighbours with each other, noise included, (n, n) or (m, n, n)."""
         turn, along = (at[..., :, None] - at[..., None, :] for at in (of.toolface, of.depth))
-        noise = self.covariance.noise / of.members
+        noise = self.covariance.noise / of.members + self._excess[stretch_of(self._stretches, of.depth)]
         return self.covariance.at(turn, along) + noise[..., None] * np.eye(of.depth.shape[-1])
 
     def toward(self, of: Neighbours, place: tuple[Floats, Floats] | Place) -> Floats:
@@ -231,13 +236,30 @@ def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, 
 
 
 def estimates_at(samples: Columns, places: Sequence[Place], settings: Settings, boxes: Boxes | None = None) -> Floats:
-    """Return the radius at each place (m) and its variance (m^2) by all likely covariances, (m, 2)."""
+    """Return the radius at each place (m) and its variance (m^2) by the covariances of the settings, (m, 2)."""
+    base, mean, square = np.zeros((3, len(places)))
+    for share, there, among in by_covariance(samples, places, settings):
+        some = None if boxes is None else (boxes[0][there], boxes[1][there])
+        radius, variance = among.estimates([places[i] for i in there.tolist()], some).T
+        base[there] = among.covariance.radius
+        off = radius - base[there]
+        mean[there] += share * off
+        square[there] += share * (variance + off**2)
+    return np.column_stack([base + mean, square - mean**2])
+
+
+def by_covariance(
+    samples: Columns, places: Sequence[Place], settings: Settings
+) -> Iterator[tuple[float, Integers, Places]]:
+    """Yield for each covariance of the settings its share, the places where it counts, and their neighbours."""
     limit = np.inf if settings.max_distance is None else settings.max_distance
-    likely = likely_by(settings)
-    found = [
-        Places(samples, of, settings.neighbors, limit, settings.robust).estimates(places, boxes) for of, _ in likely
-    ]
-    radius, variance = np.moveaxis(np.array(found), 2, 0)
-    shares = np.array([share for _, share in likely])
-    mean = shares @ radius
-    return np.column_stack([mean, shares @ (variance + (radius - mean) ** 2)])
+    stretches = stretches_of(settings)
+    if len(stretches) == 1:
+        for covariance, share in likely_by(settings):
+            among = Places(samples, covariance, settings.neighbors, limit, settings.robust)
+            yield share, np.arange(len(places)), among
+        return
+    of = stretch_of(stretches, np.array(places).reshape(-1, 2)[:, 0])
+    for number in distinct(of).tolist():
+        among = Places(samples, (stretches, number), settings.neighbors, limit, settings.robust)
+        yield 1.0, np.flatnonzero(of == number), among

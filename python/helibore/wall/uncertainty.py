@@ -26,6 +26,8 @@ those of one to three arms: these cannot show how the shape changes around the h
 of the long term around the hole (two thirds of it if the term repeats after half a turn) may hide a shape, unless the
 shape turns past the arms.
 
+With `Settings.stretches`, all this is by the covariance of the stretch in which a vertex lies.
+
 Samples metres away say nothing about a breakout of a metre. If at more than 0.1 % of places spread over the wall the
 scatter of the samples near (what each differs from the estimate of those above it, squared, over the variance of that)
 is above 4 times what the covariance leads to expect, the hole has such short events: it is not alike all along. Then
@@ -40,11 +42,12 @@ noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, distinct
 from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
@@ -58,6 +61,9 @@ from helibore.wall.estimates import (
 )
 from helibore.wall.spikes import find_spikes
 from helibore.wall.wall_columns import WallColumns
+
+if TYPE_CHECKING:
+    from helibore.wall.covariance import Covariance
 
 TARGETS = 2000
 _FEW_TARGETS = 300
@@ -130,12 +136,15 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Floats:
     from helibore.wall.arm_biases import arm_shares, remaining_products
-    from helibore.wall.covariance import covariance_of
+    from helibore.wall.covariance import noise_at, stretch_of, stretches_of
 
-    covariance, factor = covariance_of(wall.settings.covariance or ()), near_and_far_factor(samples, wall.settings)
+    factor = near_and_far_factor(samples, wall.settings)
     variance = factor**2 * wall.sums[0]
-    if _far_apart(samples, wall.settings, covariance.radius):
-        variance += factor**2 * _ROUGHNESS * covariance.noise
+    stretches = stretches_of(wall.settings)
+    depth = whole_helix(wall).depth(np.arange(variance.size))
+    of = stretch_of(stretches, depth)
+    if _far_apart(samples, wall.settings, stretches[0].covariance.radius):
+        variance += factor**2 * _ROUGHNESS * noise_at(wall.settings, depth)
     events = shows_events(samples, wall.settings, threads)
     if events:
         variance *= wall.sums[1]
@@ -145,7 +154,9 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
         shares = arm_shares(wall.sample_columns, arm, wall.settings, threads)
         variance += np.einsum("in,ij,jn->n", shares, products, shares)
     sigma: Floats = np.sqrt(variance)
-    sigma[_unmeasured(replace(wall, settings=with_gaps_of_shape(samples, wall.settings, events)))] = np.nan
+    for number in distinct(of).tolist():
+        rules = with_gaps_of_shape(samples, wall.settings, stretches[number].covariance, events)
+        sigma[(of == number) & _unmeasured(replace(wall, settings=rules))] = np.nan
     return sigma
 
 
@@ -171,14 +182,13 @@ def shows_events(samples: Columns, settings: Settings, threads: int) -> bool:
     return bool(np.sum(scatter > _EVENT) > _EVENTS * scatter.size)
 
 
-def with_gaps_of_shape(samples: Columns, settings: Settings, events: bool) -> Settings:
-    """Return the settings with the ``gap_reach`` and ``largest_gap`` for near and far neighbours.
+def with_gaps_of_shape(samples: Columns, settings: Settings, covariance: Covariance, events: bool) -> Settings:
+    """Return the settings with the ``gap_reach`` and ``largest_gap`` for near and far neighbours by a covariance.
 
     `helibore.wall.uncertainty` states these rules: in wider gaps no error can be known. ``events``: `shows_events`.
     """
-    from helibore.wall.covariance import covariance_of, shows_around
+    from helibore.wall.covariance import shows_around
 
-    covariance = covariance_of(settings.covariance or ())
     around = float(np.degrees(covariance.terms[min(1, len(covariance.terms) - 1)].around / covariance.radius))
     around *= _OF_HALF_TURNS if covariance.half_turns else 1.0
     alike = not events and shows_around(samples, covariance.gap_reach)
@@ -209,16 +219,15 @@ def near_and_far_factor(samples: Columns, settings: Settings) -> float:
     """
     if samples[0].size < FEWEST_SAMPLES:
         return 1.0
-    from helibore.wall.covariance import covariance_of
+    from helibore.wall.covariance import noise_at
     from helibore.wall.near_and_far import estimate_near_and_far
 
-    covariance = covariance_of(settings.covariance or ())
     rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
     if settings.robust:  # a spike shows no error
         good = ~find_spikes(samples, rows)[0]
         rows, boxes = rows[good], (boxes[0][good], boxes[1][good])
     found = estimate_near_and_far(samples, rows, settings, boxes)
-    share = np.abs(found[:, 0] - samples[2][rows]) / np.sqrt(found[:, 1] + covariance.noise)
+    share = np.abs(found[:, 0] - samples[2][rows]) / np.sqrt(found[:, 1] + noise_at(settings, samples[0][rows]))
     share = share[np.isfinite(share)]
     if not share.size:
         return 1.0

@@ -47,6 +47,7 @@ def vars_of(wall: hb.Wall) -> dict[str, Any]:
     apart = (
         "covariance",
         "other_turns",
+        "stretches",
         "robust",
         "arm_biases",
         "direct",

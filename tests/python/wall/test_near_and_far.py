@@ -20,6 +20,12 @@ NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4)
 NOISY_TURNING = (0.11, 8e-6, 2e-6, 0.03, 0.06, 1e-5, 0.1, 3.0, 40.0)
 REPEATING = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, -0.1, 1.5)
 SMOOTH = (0.11, 8e-6, 2e-6, -0.03, 0.1, 9e-7, 0.1, 0.4)
+STRETCHES = (
+    *(1000.5, 0.108, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5, 0.0, 1.0, 1.0, 0.0),
+    *(1001.2, 0.13, 4e-7, 3e-6, -0.03, 0.05, 4e-5, -0.1, 0.6, 0.0, 1.0, 1.0, 12.5),
+    *(1001.3, 0.115, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.1, 0.4, 1e-6, 0.01, 0.02, 0.0),
+)
+"""Of random holes, which begin at 1000 m; the second is shorter than a turn."""
 OTHERS = (0.3, *TURNING, 0.2, *REPEATING, -20.0, 0.1, *NOISY, 0.0)
 
 
@@ -43,8 +49,20 @@ def cells_of(depth: Floats, toolface: Floats, radius: float, size: tuple[float, 
 
 
 def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats, Floats]:
-    """Radius, variance, scatter and number of neighbours of each vertex, by all likely covariances."""
+    """Radius, variance, scatter and number of neighbours of each vertex, by its stretch or all likely covariances."""
     assert wall.settings.covariance is not None
+    if wall.settings.stretches:
+        above = (-np.inf, *wall.settings.covariance, 0.0, 1.0, 1.0, 0.0)
+        stretches = np.reshape((*above, *wall.settings.stretches), (-1, 13))
+        starts, levels = stretches[:, 0], stretches[:, [2, 3, 6, 9]].sum(axis=1)
+        found = [np.zeros(len(wall)) for _ in range(4)]
+        for number, (_, at, *values) in enumerate(stretches.tolist()):
+            more = np.maximum(levels - levels[number], 0.0) + (stretches[:, 1] - at) ** 2
+            kept = (at, *(values[:10] if values[7] else values[:7]), values[10])
+            there = np.searchsorted(starts, wall.depth, side="right") - 1 == number
+            for to, of in zip(found, by_one(columns, wall, kept, (starts, more)), strict=True):
+                to[there] = of[there]
+        return found[0], found[1], found[2], found[3]
     others = np.reshape(wall.settings.other_turns or (), (-1, 10)).tolist()
     shares = np.array([1.0 - sum(share for share, *_ in others), *(share for share, *_ in others)])
     each = [by_one(columns, wall, of) for of in (wall.settings.covariance, *(values for _, *values in others))]
@@ -54,7 +72,9 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
     return np.asarray(radius), np.asarray(variance), np.asarray(scatter), each[0][3]
 
 
-def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -> tuple[Floats, ...]:
+def by_one(
+    columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float], more: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, ...]:
     """Radius, variance, scatter and number of neighbours of each vertex, from all samples, by the bordered system."""
     depth, toolface, radius = (column[np.lexsort(columns[1::-1])] for column in columns)
     settings = wall.settings
@@ -113,6 +133,8 @@ def by_one(columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float]) -
         matrix[n, n] = 0.0
         first = np.array([of[0] for of in members])
         added = differing(first, angles, down, value, count == 1) if settings.robust else np.zeros(n)
+        if more:
+            added += more[1][np.searchsorted(more[0], depth[first], side="right") - 1]
         matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count + added)
         toward = np.append(covariance(angles - angle, down - place), 1.0)
         weights = np.linalg.solve(matrix, toward)
@@ -190,6 +212,8 @@ CASES: list[dict[str, Any]] = [
     {"shape": "oval", "n": 900, "length": 30.0, "covariance": TURNING, "max_distance": 10.0, "robust": True},
     {"shape": "spiral", "n": 3000, "length": 3.0, "covariance": NOISY, "robust": True},
     {"shape": "washed", "n": 40, "length": 9.0, "neighbors": 1, "robust": True},
+    {"shape": "broken", "n": 900, "length": 4.0, "stretches": STRETCHES, "max_distance": 2.0},
+    {"shape": "oval", "n": 6000, "length": 3.0, "stretches": STRETCHES, "robust": True},
 ]
 
 
@@ -216,6 +240,7 @@ SPLITS += [
     {"covariance": NOISY_TURNING},
     {"other_turns": OTHERS, "max_distance": 2.0},
     {"robust": True, "max_distance": 3.0},
+    {"stretches": STRETCHES, "max_distance": 3.0},
 ]
 
 
@@ -259,18 +284,18 @@ def test_nothing_above_settled_changes_while_the_hole_gets_deeper() -> None:
     assert settled > len(wall) / 2
 
 
-@pytest.mark.parametrize("others", [None, OTHERS], ids=["one", "likely"])
-def test_samples_within_reach_decide_a_stretch(others: tuple[float, ...] | None) -> None:
+@pytest.mark.parametrize("given", [{}, {"other_turns": OTHERS}, {"stretches": STRETCHES}], ids=str)
+def test_samples_within_reach_decide_a_part(given: dict[str, Any]) -> None:
     columns = random_hole(10, "round", 1500, 12.0)
     start = float(columns[0].min())
-    wall = near_and_far(columns, start_depth=start, max_distance=2.0, other_turns=others)
+    wall = near_and_far(columns, start_depth=start, max_distance=2.0, **given)
     first, stop = 420, 600  # 420: within a group of eight
     shallow, deep = wall.reach(first, stop)
     some = (columns[0] >= shallow) & (columns[0] <= deep)
     assert some.mean() < 0.9
     part = near_and_far(
         tuple(column[some] for column in columns), start_depth=start, max_distance=2.0, first_vertex=first,
-        stop_vertex=stop, other_turns=others,
+        stop_vertex=stop, **given,
     )  # fmt: skip
     np.testing.assert_array_equal(part.radius, wall.radius[first:stop])
 
@@ -299,8 +324,8 @@ def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str,
 
 @pytest.mark.parametrize(
     "settings",
-    [{}, {"covariance": NOISY}, {"other_turns": OTHERS}, {"robust": True}],
-    ids=["samples", "means", "likely", "robust"],
+    [{}, {"covariance": NOISY}, {"other_turns": OTHERS}, {"robust": True}, {"stretches": STRETCHES}],
+    ids=["samples", "means", "likely", "robust", "stretches"],
 )
 def test_values_carried_with_the_samples_are_kriged_like_the_radius(settings: dict[str, Any]) -> None:
     columns = random_hole(11, "oval", 3000, 4.0)
@@ -361,6 +386,18 @@ BAD = [
     (
         {"covariance": TWO, "other_turns": (0.2, *TURNING, 0.2, *TWO[:5], -1.0, *TURNING[6:])},
         "other_turns[16] = -1: must lie in 1e-14 to 100",
+    ),
+    (
+        {"covariance": TWO, "stretches": STRETCHES, "other_turns": OTHERS},
+        "stretches = 39: must not be given with other_turns",
+    ),
+    (
+        {"covariance": TWO, "stretches": (*STRETCHES[13:26], *STRETCHES[:13])},
+        "stretches[13] = 1000.5: must be below the stretch before",
+    ),
+    (
+        {"covariance": TWO, "stretches": (*STRETCHES[:6], 0.0, *STRETCHES[7:])},
+        "stretches[6] = 0: must lie in 1e-14 to 100",
     ),
     ({}, "covariance = 0: must have 5, 8 or 11 values, or a turn as one more"),
 ]
