@@ -58,11 +58,13 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     std::optional<double> kriging_range;
     take("kriging_range", kriging_range);
     take("nugget", s.nugget);
-    std::optional<std::vector<double>> covariance, other_turns;
+    std::optional<std::vector<double>> covariance, other_turns, stretches;
     take("covariance", covariance);
     take("other_turns", other_turns);
+    take("stretches", stretches);
     s.covariance = covariance.value_or(std::vector<double>{});
     s.other_turns = other_turns.value_or(std::vector<double>{});
+    s.stretches = stretches.value_or(std::vector<double>{});
     take("robust", s.robust);
     take("sigma", s.sigma);
     take("direct", s.direct);
@@ -323,6 +325,30 @@ void register_wall(py::module_& m) {
         },
         py::arg("samples"), py::arg("block_size"), py::arg("radius"), py::arg("spacing"), py::arg("least_turn"),
         py::arg("threads"), py::arg("instruction_set") = "automatic");
+    m.def(
+        "covariances_near",
+        [](const std::array<Column, 3>& samples, Index block_size, Index blocks,
+           const std::vector<std::vector<double>>& starts, double spacing, int threads) {
+            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+            const WithoutGil released;
+            return covariances_near(columns, block_size, blocks, starts, spacing, threads);
+        },
+        py::arg("samples"), py::arg("block_size"), py::arg("blocks"), py::arg("starts"), py::arg("spacing"),
+        py::arg("threads"));
+    m.def(
+        "covariance_likelihoods",
+        [](const std::array<Column, 3>& samples, Index block_size, Index blocks,
+           const std::vector<std::vector<double>>& covariances, int threads) {
+            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+            std::vector<double> found;
+            {
+                const WithoutGil released;
+                found = covariance_likelihoods(columns, block_size, blocks, covariances, threads);
+            }
+            const auto each = static_cast<py::ssize_t>(covariances.size()), parts = std::ssize(found) / each;
+            return array_of(std::move(found), {parts, each});
+        },
+        py::arg("samples"), py::arg("block_size"), py::arg("blocks"), py::arg("covariances"), py::arg("threads"));
     m.def(
         "calibrate",
         [](const std::array<Column, 3>& samples, const py::array_t<Index>& rows, const std::array<Column, 2>& boxes,

@@ -65,6 +65,21 @@ def fit_covariance(
     threads: int,
     instruction_set: str = "automatic",
 ) -> list[tuple[list[float], float]]: ...
+def covariances_near(
+    samples: tuple[Floats, Floats, Floats],
+    block_size: int,
+    blocks: int,
+    starts: Sequence[Sequence[float]],
+    spacing: float,
+    threads: int,
+) -> list[list[float]]: ...
+def covariance_likelihoods(
+    samples: tuple[Floats, Floats, Floats],
+    block_size: int,
+    blocks: int,
+    covariances: Sequence[Sequence[float]],
+    threads: int,
+) -> Floats: ...
 def calibrate(
     samples: tuple[Floats, Floats, Floats],
     rows: Integers,

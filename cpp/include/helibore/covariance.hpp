@@ -28,4 +28,17 @@ std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index
                                              double spacing, double least_turn, int threads = 1,
                                              InstructionSet instruction_set = InstructionSet::automatic);
 
+// Returns for each part of a hole the likeliest covariance, as above, that is climbed to from that of `starts`, whose
+// kind and turn it keeps. `samples` are `blocks` blocks of `block_size` samples of each part.
+std::vector<std::vector<double>> covariances_near(const SampleColumns& samples, Index block_size, Index blocks,
+                                                  const std::vector<std::vector<double>>& starts, double spacing,
+                                                  int threads = 1,
+                                                  InstructionSet instruction_set = InstructionSet::automatic);
+
+// Returns the log-likelihoods of each part of a hole by covariances: of part 0 by all, then of part 1, ...; nats a
+// block, with the weak priors.
+std::vector<double> covariance_likelihoods(const SampleColumns& samples, Index block_size, Index blocks,
+                                           const std::vector<std::vector<double>>& covariances, int threads = 1,
+                                           InstructionSet instruction_set = InstructionSet::automatic);
+
 }  // namespace helibore

@@ -66,7 +66,7 @@ constexpr double likely_enough = 100.0;  // nats a block below the highest peak:
 constexpr std::size_t long_along = 5;    // index of the length along the hole of the long term
 constexpr double least_share = 0.7;      // of the spacing of samples: the long term along the hole
 constexpr double enough = 0.003;         // nats a block; a smaller gain ends the search
-constexpr int most_useful_threads = 8;
+constexpr int most_useful_threads = 8, few_steps = 8, steps = 20;
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
@@ -126,15 +126,21 @@ using Rooms = std::span<Room>;  // one for each thread
 class Fit {
   public:
     Fit(const SampleColumns& samples, std::size_t block_size, double radius, int threads, InstructionSet level);
+    void limit(double spacing);
     // Returns the likeliest place; others follow if the samples leave them about as likely.
-    std::vector<Place> likely(double spacing, double least_turn);
+    std::vector<Place> likely(double least_turn);
+    // Returns what is climbed to from a covariance.
+    std::vector<double> near(std::span<const double> covariance);
+    // Returns the log-likelihood of a covariance, nats a block.
+    double likelihood(std::span<const double> covariance);
 
   private:
+    Place place_of(std::span<const double> covariance) const;
     kernel::CovarianceRule rule_of(const Place& of) const;
     bool block_terms(std::size_t b, const Place& of, const kernel::CovarianceRule& rule, bool slopes, Room& room,
                      kernel::BlockTerms& terms) const;
     double evaluate(const Place& of, std::size_t nth, Rooms rooms, Slopes* slopes = nullptr) const;
-    Place climb(Place from, std::size_t nth, int steps, Rooms rooms) const;
+    Place climb(Place from, std::size_t nth, int most_steps, Rooms rooms) const;
     template <class Job>
     void each_place(std::span<Place> places, const Job& job);
     Place likeliest_start(const Place& kind);
@@ -298,12 +304,12 @@ Parameters solve(Matrix a, Parameters b, const std::array<bool, most>& free, std
     return x;
 }
 
-Place Fit::climb(Place now, std::size_t nth, int steps, Rooms rooms) const {
+Place Fit::climb(Place now, std::size_t nth, int most_steps, Rooms rooms) const {
     Slopes of;
     now.value = evaluate(now, nth, rooms, &of);
     if (now.value == never) return now;
     double damping = 1e-2;
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < most_steps; ++step) {
         std::array<bool, most> free{};
         for (std::size_t p = 0; p < now.count; ++p)
             free[p] = !((now.at[p] <= limits_.low[p] && of.slope[p] < 0.0) ||
@@ -354,7 +360,7 @@ Place Fit::at_turn(const Place& from, double turn, std::span<const double> along
 // Returns the likeliest parameters and turn near a place, by every nth block; the turn within twice the step. The
 // nearer the turn is, the longer is the shape along the hole.
 Place Fit::near_turn(const Place& start, double step, std::size_t nth, Rooms rooms) const {
-    Place now = climb(start, nth, 8, rooms);
+    Place now = climb(start, nth, few_steps, rooms);
     for (; step > 0.05; step *= 0.5) {
         const double along = exponential(now.at[long_along]), lengths[] = {along, 2.0 * along};
         const Place less = at_turn(now, now.turn - step, lengths, nth, rooms),
@@ -440,7 +446,7 @@ Place Fit::with_turn(const Place& found, double least_turn, std::vector<Place>& 
     Place turned = best;
     if (turns) {
         turned.turn = near_turn(near_turn(best, 0.5, 1, rooms_), 0.2, 1, rooms_).turn;
-        turned = climb(turned, 1, 20, rooms_);
+        turned = climb(turned, 1, steps, rooms_);
         turns = turned.value > found.value + gain;
     }
     if (!turns) {
@@ -452,9 +458,9 @@ Place Fit::with_turn(const Place& found, double least_turn, std::vector<Place>& 
     }
     Place straight = turned;
     straight.turn = 0.0;
-    straight = climb(straight, 1, 20, rooms_);  // the starts of `found` may have missed it
+    straight = climb(straight, 1, steps, rooms_);  // the starts of `found` may have missed it
     if (turned.value <= straight.value + gain) return straight.value > found.value ? straight : found;
-    const Place again = climb(likeliest_start(turned), 1, 20, rooms_);
+    const Place again = climb(likeliest_start(turned), 1, steps, rooms_);
     return again.value > turned.value ? again : turned;
 }
 
@@ -466,11 +472,11 @@ Place Fit::with_half_turns(const Place& found) {
     tried[1].at = limits_.from(half_start);
     for (Place& each : tried) {
         each.half_turns = true;
-        each = climb(each, 4, 8, rooms_);
+        each = climb(each, 4, few_steps, rooms_);
     }
     Place half = tried[1].value > tried[0].value ? tried[1] : tried[0];
     if (half.value <= evaluate(found, 4, rooms_) + gain) return found;
-    half = climb(half, 1, 20, rooms_);
+    half = climb(half, 1, steps, rooms_);
     return half.value > found.value + gain ? half : found;
 }
 
@@ -478,7 +484,7 @@ Place Fit::with_half_turns(const Place& found) {
 Place Fit::with_smooth(const Place& found) {
     Place smooth = found;
     smooth.smooth = true;
-    smooth = climb(smooth, 1, 20, rooms_);
+    smooth = climb(smooth, 1, steps, rooms_);
     return smooth.value > found.value ? smooth : found;
 }
 
@@ -532,7 +538,7 @@ std::vector<Place> Fit::shared(const Place& first, std::vector<Place> others) {
     sum = 0.0;
     for (const Place& each : found) sum += each.share;
     for (Place& each : found) each.share /= sum;
-    found[0] = climb(found[0], 1, 20, rooms_);
+    found[0] = climb(found[0], 1, steps, rooms_);
     return found;
 }
 
@@ -544,11 +550,11 @@ Place Fit::likeliest_start(const Place& kind) {
         found.push_back(kind);
         found.back().at = limits_.from(values);
     }
-    each_place(found, [&](Place& each, Rooms rooms) { each = climb(each, 2, 8, rooms); });
+    each_place(found, [&](Place& each, Rooms rooms) { each = climb(each, 2, few_steps, rooms); });
     return *std::ranges::max_element(found, {}, &Place::value);
 }
 
-std::vector<Place> Fit::likely(double spacing, double least_turn) {
+void Fit::limit(double spacing) {
     const double r = radius_;
     limits_ = {{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
                 1e-12, 0.003, 0.006},
@@ -557,7 +563,10 @@ std::vector<Place> Fit::likely(double spacing, double least_turn) {
         limits_.low[p] = logarithm(limits_.low[p]);
         limits_.high[p] = logarithm(limits_.high[p]);
     }
-    const Place unturned = climb(likeliest_start({limits_.high, few}), 1, 20, rooms_);
+}
+
+std::vector<Place> Fit::likely(double least_turn) {
+    const Place unturned = climb(likeliest_start({limits_.high, few}), 1, steps, rooms_);
     if (least_turn == std::numeric_limits<double>::infinity()) return {unturned};
     std::vector<Place> others;
     std::vector<Place> found{with_half_turns(with_turn(unturned, least_turn, others))};
@@ -569,33 +578,127 @@ std::vector<Place> Fit::likely(double spacing, double least_turn) {
     return found;
 }
 
+// Returns a covariance as Settings have it.
+std::vector<double> values_of(const Place& of, double radius) {
+    std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
+    for (std::size_t p = 0; p < of.count; ++p)
+        if (p != noise)
+            values.push_back(((p == 1 && of.smooth) || (p == long_along - 1 && of.half_turns) ? -1.0 : 1.0) *
+                             rounded(exponential(of.at[p])));
+    if (of.turn != 0.0) values.push_back(of.turn);
+    return values;
+}
+
+Place Fit::place_of(std::span<const double> covariance) const {
+    Place of{limits_.high, covariance.size() > 9 ? most : few};
+    of.turn = covariance.size() % 3 == 0 ? covariance.back() : 0.0;
+    of.smooth = covariance[3] < 0.0;
+    of.half_turns = covariance[6] < 0.0;
+    of.at[noise] = logarithm(covariance[1]);
+    for (std::size_t p = 0; p < of.count - 1; ++p) {
+        const bool around = p % 3 == 1;
+        const double value = std::abs(covariance[2 + p]);
+        of.at[p < noise ? p : p + 1] = logarithm(around ? value * radius_ / covariance[0] : value);
+    }
+    return of;
+}
+
+std::vector<double> Fit::near(std::span<const double> covariance) {
+    Place from = place_of(covariance);
+    from.at = limits_.clipped(from.at);
+    return values_of(climb(from, 1, steps, rooms_), radius_);
+}
+
+double Fit::likelihood(std::span<const double> covariance) {
+    return evaluate(place_of(covariance), 1, rooms_);
+}
+
+void require_block_size(Index block_size) {
+    require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
+}
+
+// Samples of parts of a hole: the same number of blocks of each.
+struct Parts {
+    Parts(const SampleColumns& samples, Index block_size, Index blocks,
+          const std::vector<std::vector<double>>& covariances, int threads)
+        : columns{copied(samples.depth), copied(samples.toolface), copied(samples.radius)} {
+        require_block_size(block_size);
+        require(blocks > 0, "blocks", blocks, "must be above 0");
+        require_threads(threads);
+        all().validate(1);
+        const Index samples_in_all = std::ssize(columns[0]);
+        of_part = static_cast<std::size_t>(block_size * blocks);
+        count = samples_in_all / (block_size * blocks);
+        require(count > 0 && samples_in_all % (block_size * blocks) == 0, "samples", samples_in_all,
+                "must be whole parts");
+        for (const std::vector<double>& each : covariances)
+            require(each.size() >= 8 && each.size() <= 12 && each.size() != 10 && each[0] > 0.0, "covariances",
+                    std::ssize(each), "must have two or three terms, and a radius above 0");
+    }
+    SampleColumns all() const { return {columns[0], columns[1], columns[2]}; }
+    // Calls job(part, samples) for each part; the threads share the parts.
+    template <class Job>
+    void each(int threads, const Job& job) const {
+        for_each_part(threads, count, [&](int, Index number) {
+            const auto part = static_cast<std::size_t>(number);
+            const auto cut = [&](std::span<const double> column) { return column.subspan(part * of_part, of_part); };
+            job(part, SampleColumns{cut(columns[0]), cut(columns[1]), cut(columns[2])});
+        });
+    }
+
+    std::vector<double> columns[3];
+    std::size_t of_part = 0;
+    Index count = 0;
+};
+
 }  // namespace
 
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,
                                              double spacing, double least_turn, int threads,
                                              InstructionSet instruction_set) {
     const StandardArithmetic standard;
-    require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
+    require_block_size(block_size);
     require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
     require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
-    require(least_turn >= 0.0, "least_turn", least_turn, "must be 0 or above");
     require_threads(threads);
+    require(least_turn >= 0.0, "least_turn", least_turn, "must be 0 or above");
     const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
     const SampleColumns from{columns[0], columns[1], columns[2]};
     from.validate(1);
     const auto count = static_cast<Index>(from.depth.size());
     require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
     Fit fit(from, static_cast<std::size_t>(block_size), radius, threads, instruction_set);
+    fit.limit(spacing);
     std::vector<LikelyCovariance> found;
-    for (const Place& of : fit.likely(spacing, least_turn)) {
-        std::vector<double> values{rounded(radius), rounded(exponential(of.at[noise]))};
-        for (std::size_t p = 0; p < of.count; ++p)
-            if (p != noise)
-                values.push_back(((p == 1 && of.smooth) || (p == long_along - 1 && of.half_turns) ? -1.0 : 1.0) *
-                                 rounded(exponential(of.at[p])));
-        if (of.turn != 0.0) values.push_back(of.turn);
-        found.push_back({std::move(values), of.share});
-    }
+    for (const Place& of : fit.likely(least_turn)) found.push_back({values_of(of, radius), of.share});
+    return found;
+}
+
+std::vector<std::vector<double>> covariances_near(const SampleColumns& samples, Index block_size, Index blocks,
+                                                  const std::vector<std::vector<double>>& starts, double spacing,
+                                                  int threads, InstructionSet instruction_set) {
+    Parts parts(samples, block_size, blocks, starts, threads);
+    require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
+    require(std::ssize(starts) == parts.count, "starts", std::ssize(starts), "must be one for each part");
+    std::vector<std::vector<double>> found(starts.size());
+    parts.each(threads, [&](std::size_t part, const SampleColumns& own) {
+        Fit fit(own, static_cast<std::size_t>(block_size), starts[part][0], 1, instruction_set);
+        fit.limit(spacing);
+        found[part] = fit.near(starts[part]);
+    });
+    return found;
+}
+
+std::vector<double> covariance_likelihoods(const SampleColumns& samples, Index block_size, Index blocks,
+                                           const std::vector<std::vector<double>>& candidates, int threads,
+                                           InstructionSet instruction_set) {
+    Parts parts(samples, block_size, blocks, candidates, threads);
+    std::vector<double> found(static_cast<std::size_t>(parts.count) * candidates.size());
+    parts.each(threads, [&](std::size_t part, const SampleColumns& own) {
+        Fit fit(own, static_cast<std::size_t>(block_size), candidates[0][0], 1, instruction_set);
+        for (std::size_t c = 0; c < candidates.size(); ++c)
+            found[part * candidates.size() + c] = fit.likelihood(candidates[c]);
+    });
     return found;
 }
 

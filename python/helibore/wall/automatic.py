@@ -1,20 +1,22 @@
 """``estimator="automatic"``: the estimator that suits the samples of a hole.
 
-A covariance is fitted to the samples (`helibore.wall.covariance`). Where a tool measures all around the hole, samples
-that are left out show the errors, whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near
-and far neighbours are certainly better. Between the arms of a tool, and between the samples of slow telemetry, there
-are no such samples. There near and far neighbours are taken, and the covariance gives the expected error at random
-places of the wall. Where no arm saw the wall, no error can be known (as for `Wall.sigma`); the share is stated.
+A covariance is fitted to the samples (`helibore.wall.covariance`), or one to each of the stretches that are unlike
+(`helibore.wall.stretches`). Where a tool measures all around the hole, samples that are left out show the errors,
+whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near and far neighbours are certainly
+better. Between the arms of a tool, and between the samples of slow telemetry, there are no such samples. There near and
+far neighbours are taken, and the covariance gives the expected error at random places of the wall. Where no arm saw the
+wall, no error can be known (as for `Wall.sigma`); the share is stated.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
@@ -23,17 +25,21 @@ from helibore.wall.arm_biases import follow_the_shape, found_biases, without_bia
 from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
 from helibore.wall.covariance import (
     FEWEST,
-    Covariance,
     Likely,
+    Stretch,
     Term,
     content_seed,
-    covariance_of,
     likely_covariances,
+    noise_at,
     other_turns,
+    stretch_of,
+    stretch_values,
+    stretches_of,
 )
 from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
-from helibore.wall.near_and_far import Place, Places, estimate_near_and_far, estimates_at
+from helibore.wall.near_and_far import Place, by_covariance, estimate_near_and_far, estimates_at
 from helibore.wall.spikes import find_spikes, has_spikes
+from helibore.wall.stretches import find_stretches
 from helibore.wall.tuning import errors_and_gains, tuning_with
 from helibore.wall.uncertainty import shows_events, with_gaps_of_shape
 
@@ -91,8 +97,10 @@ class Choice:
     @property
     def _notes(self) -> str:
         greatest = 1e3 * max(map(abs, self.settings.arm_biases or ()), default=0.0)
-        of_arms = f"; subtracts biases of arms, up to {greatest:.2g} mm" if greatest else ""
-        return f"{of_arms}; spikes hardly count" if self.settings.robust else of_arms
+        notes = [f"; subtracts biases of arms, up to {greatest:.2g} mm"] if greatest else []
+        if self.settings.estimator == "near-and-far" and self.settings.stretches:
+            notes.append(f"; the hole changes along it: {len(stretches_of(self.settings)) - 2} stretches")
+        return "".join([*notes, "; spikes hardly count"] if self.settings.robust else notes)
 
     @property
     def where(self) -> str:
@@ -129,13 +137,14 @@ def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> 
         samples = in_depth_order(without_biases(caliper, settings))
     if dense:  # near samples decide, whatever the turn is
         likely = [(likely[0][0], 1.0)]
-    full, seed = near_and_far(likely, settings), content_seed(samples)
+    stretches = find_stretches(samples, likely, settings.robust, threads)
+    full, seed = near_and_far(likely[:1] if stretches else likely, settings, stretches), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
         if _open_share(boxes) <= MOST_OPEN:
             return _by_samples_left_out(samples, rows, boxes, simple, full, seed, thread_count(threads))
     places, known = _known_places(samples, full)
-    of_simple = _root(np.sum([share * _inverse_distance(samples, of, simple, places) for of, share in likely], axis=0))
+    of_simple = _root(_inverse_distance(samples, full, simple, places))
     of_full = _root(estimates_at(samples, places, full)[:, 1])
     errors = {"inverse-distance": of_simple, "near-and-far": of_full} if np.isfinite(of_simple + of_full) else {}
     return Choice(full, errors, known)
@@ -157,7 +166,6 @@ def _by_samples_left_out(
     estimator follows spikes. The errors are those at samples that are left out with an empty box around them, less the
     variance of noise.
     """
-    noise = covariance_of(full.covariance or ()).noise
     if full.robust:  # a spike shows no error
         good = ~find_spikes(samples, rows)[0]
         rows, boxes = rows[good], (boxes[0][good], boxes[1][good])
@@ -166,23 +174,23 @@ def _by_samples_left_out(
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
     off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
     names = ("inverse-distance", tuned.estimator, "near-and-far")
+    noise = float(noise_at(full, samples[0][rows]).mean())
     expected = np.sqrt(np.maximum(off[[1, 0, 2]] ** 2 - noise, 0.01 * noise))
     return Choice(full if full.robust or gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
-def near_and_far(likely: Likely, settings: Settings) -> Settings:
-    """Return the settings of kriging with near and far neighbours by likely covariances."""
+def near_and_far(likely: Likely, settings: Settings, stretches: Sequence[Stretch] = ()) -> Settings:
+    """Return the settings of kriging with near and far neighbours by likely covariances, or those of stretches."""
     reach = settings.max_distance
     if reach == Settings.max_distance:
-        longest = max(term.along for covariance, _ in likely for term in covariance.terms)
+        covariances = [of.covariance for of in stretches] or [of for of, _ in likely]
+        longest = max(term.along for covariance in covariances for term in covariance.terms)
         reach = float(np.clip(2.0 * longest, Settings.max_distance or 1.0, _LONGEST))
     turns = other_turns(likely)
-    of_likely = replace(settings, covariance=likely[0][0].values, other_turns=turns, max_distance=reach)
-    return replace(of_likely, estimator="near-and-far", neighbors=NEIGHBORS)
-
-
-def _limit(settings: Settings) -> float:
-    return np.inf if settings.max_distance is None else settings.max_distance
+    return replace(
+        settings, estimator="near-and-far", neighbors=NEIGHBORS, covariance=likely[0][0].values, other_turns=turns,
+        stretches=stretch_values(stretches), max_distance=reach,
+    )  # fmt: skip
 
 
 def _root(squares: Floats) -> float:
@@ -193,24 +201,32 @@ def _root(squares: Floats) -> float:
 
 def _known_places(samples: Columns, settings: Settings) -> tuple[list[Place], float]:
     """Return random places of the wall where an arm saw it, and their share of all places."""
-    rules = with_gaps_of_shape(samples, settings, shows_events(samples, settings, thread_count(None)))
-    spread, gaps = spread_gaps(samples, settings, rules.gap_reach)
-    chosen = np.random.default_rng(content_seed(samples)).choice(gaps.size, min(_PLACES, gaps.size), replace=False)
-    known = chosen[gaps[chosen] <= rules.largest_gap]
+    events = shows_events(samples, settings, thread_count(None))
+    stretches = stretches_of(settings)
+    seen: list[Integers] = []
+    for number in distinct(stretch_of(stretches, samples[0])).tolist():
+        covariance = stretches[number].covariance
+        rules = with_gaps_of_shape(samples, settings, covariance, events)
+        spread, gaps = spread_gaps(samples, settings, rules.gap_reach)
+        chosen = np.random.default_rng(content_seed(samples)).choice(gaps.size, min(_PLACES, gaps.size), replace=False)
+        there = stretch_of(stretches, spread.depth(chosen)) == number
+        seen.append(chosen[there & (gaps[chosen] <= rules.largest_gap)])
+    known = np.concatenate(seen)
     places = zip(spread.depth(known).tolist(), spread.toolface(known).tolist(), strict=True)
     return list(places), known.size / chosen.size
 
 
-def _inverse_distance(samples: Columns, covariance: Covariance, settings: Settings, places: list[Place]) -> Floats:
-    """Return the expected squares of the errors of inverse distance at places."""
-    scale = settings.angular_scale
-    among = Places(samples, covariance, settings.neighbors, _limit(settings))
-    nearest = among.nearest(places, Term(1.0, 1.0 / scale, 1.0), settings.neighbors)
-    squares = np.full(len(places), np.nan)
-    for i, (place, rows) in enumerate(zip(places, nearest, strict=True)):
-        if rows.size:
+def _inverse_distance(samples: Columns, full: Settings, simple: Settings, places: list[Place]) -> Floats:
+    """Return the expected squares of the errors of inverse distance at places, by the covariances of ``full``."""
+    scale, squares = simple.angular_scale, np.zeros(len(places))
+    by = replace(full, neighbors=simple.neighbors, max_distance=simple.max_distance)
+    for share, there, among in by_covariance(samples, places, by):
+        some = [places[i] for i in there.tolist()]
+        nearest = among.nearest(some, Term(1.0, 1.0 / scale, 1.0), simple.neighbors)
+        for i, place, rows in zip(there.tolist(), some, nearest, strict=True):
             across, along = among.across(samples[1][rows], place[1]), samples[0][rows] - place[0]
             distance = np.maximum(np.hypot(scale * across, along), 1e-9)
-            weights = (distance.min() / distance) ** settings.power
-            squares[i] = among.square_error(among.of_rows(rows), weights / weights.sum(), place)
+            weights = (distance.min(initial=1.0) / distance) ** simple.power
+            error = among.square_error(among.of_rows(rows), weights / weights.sum(), place) if rows.size else np.nan
+            squares[i] += share * error
     return squares
