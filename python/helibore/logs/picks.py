@@ -47,17 +47,22 @@ LONGEST_NOTE = 80
 LIMITS: dict[str, tuple[float, float]] = {
     "depth": (-1e6, 1e6), "toolface": (0.0, 360.0), "apparent_dip": (0.0, 89.9), "radius": (0.001, 10.0),
     "misfit": (0.0, 10.0), "height": (0.0, 1000.0), "opening": (0.0, 180.0), "tilt": (-90.0, 90.0),
+    "dip_sigma": (0.0, 90.0), "toolface_sigma": (0.0, 180.0), "aperture": (0.0, 10.0),
 }  # fmt: skip
 COLUMNS = {
     "class": "kind", "DEPT (m)": "depth", "TOOLFACE (deg)": "toolface", "APPARENT_DIP (deg)": "apparent_dip",
     "RADIUS (m)": "radius", "MISFIT (m)": "misfit", "POINTS": "points", "HEIGHT (m)": "height",
-    "OPENING (deg)": "opening", "TILT (deg)": "tilt", "note": "note", "image": "image", "key": "key",
+    "OPENING (deg)": "opening", "TILT (deg)": "tilt", "APPARENT_DIP_SIGMA (deg)": "dip_sigma",
+    "TOOLFACE_SIGMA (deg)": "toolface_sigma", "APERTURE (m)": "aperture", "note": "note", "image": "image",
+    "key": "key",
 }  # fmt: skip
 """Columns of the table, as in logs and zones, and the field of `Pick` in each; `DIP` has two more."""
 DIP = ("DIP (deg)", "DIP_AZIMUTH (deg)")
 AXIS = "AXIS_AZIMUTH (deg)"
 APPARENT = ("TOOLFACE (deg)", "APPARENT_DIP (deg)")
 TEXTS = ("kind", "note", "image", "key")
+OPTIONAL = ("radius", "dip_sigma", "toolface_sigma", "aperture")
+"""Numbers that may be None."""
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
 """Fields by which two picks with different keys are recognised as one feature."""
 
@@ -83,6 +88,11 @@ class Pick:
     height, opening, tilt
         Of a breakout: its length along the hole, its width around the hole, and the angle by which it leans from the
         axis; if the angle is above 0, the deeper part of the breakout lies at greater toolfaces.
+    dip_sigma, toolface_sigma
+        Standard uncertainties of ``apparent_dip`` and of the ``toolface`` of a plane, by how far a hand is off on the
+        screen and by the misfit; None: not known.
+    aperture
+        How far the wall shows a fracture or fault open across its plane; None: not open, or not known.
     note
         At most 80 characters.
     image
@@ -101,6 +111,9 @@ class Pick:
     height: float = 0.0
     opening: float = 0.0
     tilt: float = 0.0
+    dip_sigma: float | None = None
+    toolface_sigma: float | None = None
+    aperture: float | None = None
     note: str = ""
     image: str = ""
     key: str = field(default_factory=lambda: secrets.token_hex(6), compare=False)
@@ -109,7 +122,7 @@ class Pick:
         check_choice("class", self.kind, CLASSES)
         for name, (low, high) in LIMITS.items():
             value = getattr(self, name)
-            if name == "radius" and value is None:
+            if value is None and name in OPTIONAL:
                 continue
             if isinstance(value, bool) or not (isinstance(value, NUMBERS) and low <= value <= high):
                 raise InputError(name, f"must be {low:g} to {high:g}", str(value))

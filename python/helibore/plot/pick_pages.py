@@ -55,23 +55,25 @@ def in_interval(content: Content) -> list[Pick]:
 def table_head(content: Content) -> tuple[str, ...]:
     """Return the heads of the columns of the table of picks."""
     depths, size = content.drawing.depth_unit.name, content.drawing.size_unit
-    own = (DIP_TITLES["apparent"], "Toolface [°]", "Opening [°]", f"Misfit [{size}]")
+    own = (DIP_TITLES["apparent"], "Toolface [°]", "Opening", f"Misfit [{size}]")
     return "Class", f"MD [{depths}]", DIP_TITLES["true"], "Azimuth [°]", *own, "Note"
 
 
 def table_row(pick: Pick, content: Content) -> list[str]:
     """Return the cells of the row of a pick."""
     dip, azimuth = pick.dip(content.wall.path)
-    own = ["–", number(pick.toolface, 0), number(pick.opening, 0), "–"]
+    own = ["–", number(pick.toolface, 0), f"{number(pick.opening, 0)}°", "–"]
     if pick.kind == NOTE:
         own = ["–"] * 4
     elif pick.kind in PLANES:
-        inches = content.drawing.size_unit == "in"
-        misfit = number(pick.misfit / (INCH if inches else MILLIMETRE), 2 if inches else 1)
+        unit = content.drawing.size_unit
+        size, digits = (INCH, 2) if unit == "in" else (MILLIMETRE, 1)
+        misfit = number(pick.misfit / size, digits)
+        aperture = "–" if pick.aperture is None else f"{number(pick.aperture / size, digits - 1)} {unit}"
         fitted = (
             f"{misfit}, {pick.points} points" if pick.points > 3 else f"{pick.points} points" if pick.points else ""
         )
-        own = [number(pick.apparent_dip, 1), number(pick.toolface, 0), "–", fitted or "by hand"]
+        own = [number(pick.apparent_dip, 1), number(pick.toolface, 0), aperture, fitted or "by hand"]
     axis = pick.axis(content.wall.path)
     angles = number(dip, 1) or "–", number(axis if math.isnan(azimuth) else azimuth, 0) or "–"
     return [pick.kind, in_depth_unit(pick.depth, content), *angles, *own, pick.note or "–"]

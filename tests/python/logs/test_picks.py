@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import csv
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -104,7 +105,15 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
         [
             Pick(kind="breakout", depth=20.0, toolface=359.5, height=2.0, opening=40.0, tilt=-5.0),
             Pick(
-                kind="fracture", depth=10.25, toolface=12.0, apparent_dip=61.5, note='open, "wide"\nindeed', image="GR"
+                kind="fracture",
+                depth=10.25,
+                toolface=12.0,
+                apparent_dip=61.5,
+                note='open, "wide"\nindeed',
+                image="GR",
+                dip_sigma=2.5,
+                toolface_sigma=4.0,
+                aperture=0.017,
             ),
             plane("bed", 15.0, 20.0, 100.0, hole),
         ]
@@ -118,6 +127,11 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     rows = file.read_text().splitlines()
     assert rows[0].startswith("class,DEPT (m),TOOLFACE (deg),APPARENT_DIP (deg),RADIUS (m),")
     assert rows[-2].endswith(",20,100,"), "the true dip stands in the table"
+    with file.open(newline="") as text:
+        (fracture, bed, _) = csv.DictReader(text)
+    own = ("APPARENT_DIP_SIGMA (deg)", "TOOLFACE_SIGMA (deg)", "APERTURE (m)")
+    assert [fracture[name] for name in own] == ["2.5", "4", "0.017"]
+    assert bed["APERTURE (m)"] == "", "not known"
 
 
 def test_a_table_without_keys_gives_the_same_ones_at_every_reading_and_no_key_twice() -> None:

@@ -192,7 +192,9 @@ def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall
     assert "2,050.00" not in said
     assert any(text.startswith("Dip azimuths count from grid north.") for text in said)
     row = table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, misfit=0.0042, points=6, note="open"), content)
-    assert row[-2:] == ["4.2, 6 points", "open"]
+    assert row[-3:] == ["–", "4.2, 6 points", "open"]
+    assert table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, aperture=0.0172), content)[-3] == "17 mm"
+    assert table_row(Pick(kind="breakout", depth=2010.0, toolface=5.0, height=1.0, opening=44.0), content)[-3] == "44°"
     bars = [patch.get_xy() for axes in figures[-1].axes for patch in axes.patches]
     ends = sorted(float(np.degrees(np.arctan2(*bar.mean(axis=0))) % 360) for bar in bars)
     strike = (azimuth - 90) % 180

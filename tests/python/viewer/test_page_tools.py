@@ -406,6 +406,44 @@ def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browse
     assert seen["AMP"][1] < seen["PLAIN"][1] + 0.1, "the edge is no line"
 
 
+def test_a_fracture_keeps_its_aperture_and_how_sure_its_dip_is(browser: Any) -> None:
+    """At once, and after its crest was dragged; both stand in the table."""
+    wall = MadeWall(80_000, pitch=0.005)
+    trace = 1001.5 + 0.1 * np.cos(np.radians(wall.toolface - 200))
+    wall.radius = BIT / 2 + np.where(np.abs(wall.depth - trace) < 0.01, 0.03, 0.0)
+    wide = 0.02 * math.cos(math.atan(0.1 / (BIT / 2)))
+    with hb.view(wall, path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1001.5&sec=2", (1366, 768), drawn=False)
+        screen.keyboard.press("d")
+        screen.keyboard.press("2")
+        screen.settle()
+        for toolface in (20, 110, 200, 290):
+            screen.mouse.click(*place(screen, toolface, 1001.5 + 0.1 * math.cos(math.radians(toolface - 200))))
+        screen.settle()
+        assert re.search(r"dip [0-9.]+° ± [1-9] toward [0-9]+° ± [1-9]", screen.inner_text("#dipText")), "not kept yet"
+        screen.keyboard.press("Enter")
+        screen.until("window.__wall.app.picking.kept.length === 1 && !window.__wall.app.picking.unsaved.size")
+        screen.settle()
+        assert re.search(r"aperture about 1\d mm, at least [23]\d mm deep", screen.inner_text("#dipText"))
+        (pick,) = viewer.scene.picks
+        assert pick.aperture == pytest.approx(wide, abs=0.004)
+        assert 0.2 < pick.dip_sigma < 3
+        with screen.expect_download() as saved:
+            screen.click("#dipSave")
+        names, row = (line.split(",") for line in Path(saved.value.path()).read_text().splitlines())
+        assert float(row[names.index("APERTURE (m)")]) == pytest.approx(wide, abs=0.004)
+        screen.evaluate("window.__wall.app.view.show(996.5, 12, window.__wall.app.store)")
+        screen.settle()
+        screen.keyboard.press("ArrowRight")
+        screen.until("!window.__wall.app.picking.unsaved.size")
+        screen.settle()
+        (turned,) = viewer.scene.picks
+        assert turned.toolface == pytest.approx(pick.toolface + 1)
+        assert turned.dip_sigma > 3 * pick.dip_sigma, "by hand, with more of the hole in view"
+        assert "coarse scale" in screen.inner_text("#dipText")
+        screen.close()
+
+
 def test_inside_noise_is_no_relief(browser: Any) -> None:
     """The same radii: what may be chance by their uncertainty is smooth, what is sure is seen."""
     wall = MadeWall(80_000, pitch=0.005)

@@ -18,10 +18,10 @@ const computed = (text) => new RegExp(`^(?:${rules.picks.formula})`).test(text);
 // Return the pick, or raise a Refusal for a value that a pick cannot have.
 /** @param {Pick} pick @param {string} place */
 export function checked(pick, place) {
-  const { limits, classes, texts, longest } = rules.picks;
+  const { limits, classes, texts, longest, defaults } = rules.picks;
   if (!classes.includes(pick.kind)) throw new Refusal(`${place}class = ${String(pick.kind).slice(0, 20)}: must be one of ${classes.join(', ')}`);
   for (const [name, [low, high]] of Object.entries(limits)) {
-    if (name === 'radius' && pick.radius === null) continue;
+    if (pick[name] === null && defaults[name] === null) continue;
     if (!(typeof pick[name] === 'number' && pick[name] >= low && pick[name] <= high)) throw new Refusal(`${place}${name} = ${pick[name] ?? ''}: must be ${low} to ${high}`);
   }
   if (pick.kind === 'breakout' && !(pick.height > 0 && pick.opening > 0)) throw new Refusal(`${place}breakout: height and opening must be above 0`);

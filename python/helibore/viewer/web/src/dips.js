@@ -7,7 +7,7 @@
 // Three points or more, not all on one side of the hole. The misfit shows how well the points lie in a plane.
 
 import { wrap360 } from './helix.js';
-import { dot, minus } from './vectors.js';
+import { dot, minus, normalised, scaled } from './vectors.js';
 
 const DEG = 180 / Math.PI;
 
@@ -60,11 +60,17 @@ export function levelPlane(path, depth, bitRadius) {
   return planeOf(path, { key: '', kind: 'bed', depth, apparent_dip: Math.atan(Math.hypot(a, b)) * DEG, toolface: wrap360(Math.atan2(b, a) * DEG) }, bitRadius);
 }
 
-/** @param {Pick<Plane, 'a' | 'b' | 'frame'>} of @param {boolean} surveyed */
-function attitude({ a, b, frame }, surveyed) {
+// Return the unit normal of a plane, not downwards: north, east and down.
+/** @param {Pick<Plane, 'a' | 'b' | 'frame'>} plane */
+export function normalOf({ a, b, frame }) {
+  const normal = normalised(frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]));
+  return normal[2] > 0 ? scaled(normal, -1) : normal;
+}
+
+/** @param {Pick<Plane, 'a' | 'b' | 'frame'>} plane @param {boolean} surveyed */
+function attitude(plane, surveyed) {
   if (!surveyed) return { dip: NaN, azimuth: NaN };
-  const normal = frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]);
-  const up = normal[2] > 0 ? normal.map((x) => -x) : normal;
+  const up = normalOf(plane);
   const dip = Math.atan2(Math.hypot(up[0], up[1]), -up[2]) * DEG;
   return { dip, azimuth: dip < 1e-3 ? NaN : wrap360(Math.atan2(up[1], up[0]) * DEG) };
 }

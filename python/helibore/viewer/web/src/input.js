@@ -10,7 +10,8 @@ import { byId } from './dom.js';
 import { whenLate } from './late.js';
 import { onString } from './string.js';
 import { tabs } from './panel.js';
-import { BREAKOUT, CLASSES } from './picking.js';
+import { BREAKOUT } from './pick_fields.js';
+import { CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
 // In pixels. curve: the largest distance from a curve at which a pointer hits it. crest: the largest distance, along a sine,

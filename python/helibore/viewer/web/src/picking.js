@@ -5,13 +5,13 @@
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
-import { axisOf, fitPlane, northOf, planeDepth, planeOf } from './dips.js';
+import { fitPlane, planeDepth, planeOf } from './dips.js';
 import { late } from './late.js';
-import { byId, hide, options, say } from './dom.js';
+import { byId, hide, options } from './dom.js';
+import { BREAKOUT, counted, FIELDS, unitOfField } from './pick_fields.js';
 import { download } from './saving.js';
-import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
+import { showDepth, showSpan } from './units.js';
 
-export const BREAKOUT = 'breakout';
 export const NOTE = 'note';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
 const MOST = 5000;
@@ -21,23 +21,10 @@ const TRACE = 3; // degrees between two points of a trace
 const PATIENCE = { answer: 15_000, again: 5000 }; // milliseconds: for an answer of the server, before a change is sent again
 const AROUND = Array.from({ length: 12 }, (_, i) => 30 * i);
 const BESIDE = 0.25; // metres along the hole, above and below a place: grooves are narrower
-const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
-/** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
-const FIELDS = {
-  plane: [['depth', 'MD', 2], ['apparent_dip', 'apparent dip °', 1], ['toolface', 'deepest °', 0]],
-  breakout: [['depth', 'MD', 2], ['height', 'high', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
-};
 // The image of a pick, as the server takes it: at most 80 characters.
 /** @param {string} [image] */
 const onImage = (image) => (image ? { image: image.slice(0, 80) } : {});
 const WORDS = Object.fromEntries([...FIELDS.plane, ...FIELDS.breakout]);
-/** @param {number} count @param {string} [what] */
-const counted = (count, what = 'pick') => `${count} ${what}${count === 1 ? '' : 's'}`;
-/** @param {string} name */
-const isDepth = (name) => name === 'depth' || name === 'height';
-// Return how many units of the field make a metre, for lengths along the hole; 1 for other fields.
-/** @type {(name: string, units: Units) => number} */
-const unitOfField = (name, units) => (isDepth(name) ? LENGTHS[units].depth.scale : 1);
 /** @param {number} degrees */
 const turned = (degrees) => ((degrees % 360) + 360) % 360;
 // Return over how many degrees points reach: all around, less the widest gap.
@@ -274,11 +261,11 @@ export class Picking {
     } else if (drag.act === 'dip') {
       const { pick, crest } = drag;
       const slope = Math.tan((pick.apparent_dip * Math.PI) / 180) + ((crest ? from.depth - depth : depth - from.depth) / (pick.radius ?? this.app.store.bitRadius));
-      this.dragged = { ...pick, ...BY_HAND, toolface: turned(pick.toolface + toolface - from.toolface), apparent_dip: (Math.atan(Math.max(0, slope)) * 180) / Math.PI };
+      this.dragged = { ...pick, toolface: turned(pick.toolface + toolface - from.toolface), apparent_dip: (Math.atan(Math.max(0, slope)) * 180) / Math.PI };
     } else {
       const { pick } = drag;
       const [top, bottom] = this.app.store.span;
-      this.dragged = { ...pick, depth: Math.min(bottom, Math.max(top, pick.depth + depth - from.depth)), ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : BY_HAND) };
+      this.dragged = { ...pick, depth: Math.min(bottom, Math.max(top, pick.depth + depth - from.depth)), ...(pick.kind === BREAKOUT && { toolface: turned(pick.toolface + toolface - from.toolface) }) };
     }
     this.selected = this.dragged.key;
     return this.replace(this.dragged);
@@ -331,22 +318,13 @@ export class Picking {
     this.app.redraw();
   }
 
-  // Return in words how far a plane that was drawn by hand turns if it is drawn a row of the image too high on one side.
-  /** @param {Plane} plane */
-  slack({ apparent, radius }) {
-    const { selection: { quantity }, store, view: { units } } = this.app;
-    const row = Math.max(Math.abs(store.levels[0].pitch), quantity.rows?.[1] ?? 0);
-    const slope = Math.tan((apparent * Math.PI) / 180);
-    const [dip, azimuth] = [Math.atan(slope + row / radius) - Math.atan(slope), Math.atan2(row / radius, slope)].map((angle) => (angle * 180) / Math.PI);
-    return `drawn by hand, not fitted: a row (${showLength(row, units, units === 'mm' ? 0 : 2)}) is ${showAngle(dip, 0)} of dip, ${showAngle(azimuth, 0)} of azimuth`;
-  }
-
   // Save a new or changed pick, and select it; return false if it lies outside the wall, or if there are too many picks.
-  /** @param {WallPick} pick */
-  put(pick) {
+  /** @param {WallPick} given */
+  put(given) {
     const { span } = this.app.store;
     const { units } = this.app.view;
-    const before = this.saved.get(pick.key);
+    const before = this.saved.get(given.key);
+    const pick = given.kind === BREAKOUT ? given : { ...given, ...this.measured(given, before) };
     const outside = pick.depth !== before?.depth && (pick.depth < span[0] || pick.depth > span[1]);
     const tooMany = !before && this.saved.size >= MOST;
     if (outside || tooMany) {
@@ -355,10 +333,23 @@ export class Picking {
       return false;
     }
     this.selected = pick.key;
-    if (!before && this.seen(pick)) this.report(pick.kind === BREAKOUT ? 'kept' : inWords(this.plane(pick)), pick);
+    if (!before && this.seen(pick)) this.report(pick.kind === BREAKOUT ? 'kept' : late(this.app)?.inWords(this.plane(pick), this.app.path) ?? 'kept', pick);
     else if (!before) this.app.notice(`${pick.image ? `${pick.image}: nothing` : 'Nothing'} was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     this.change([{ key: pick.key, pick }]);
     return true;
+  }
+
+  // Return of a plane what is not by its fit: how sure it is where it was changed by hand, and how far a fracture is open.
+  /** @param {PlanePick} pick @param {SavedPick} [before] @returns {Partial<PlanePick>} */
+  measured(pick, before) {
+    const plane = this.plane(pick);
+    const old = /** @type {PlanePick} */ (before ?? pick);
+    const tilted = old.toolface !== pick.toolface || old.apparent_dip !== pick.apparent_dip;
+    return {
+      ...((tilted || old.depth !== pick.depth) && { misfit: 0, points: 0 }),
+      ...(tilted && this.sureness(plane)),
+      aperture: (pick.kind !== 'bed' && late(this.app)?.openingOf(this.app.store, plane)?.opening) || null,
+    };
   }
 
   // Return whether anything was measured along a pick.
@@ -420,9 +411,17 @@ export class Picking {
 
   // Return a new pick of a plane through points of the wall.
   /** @param {Plane} plane @param {WallPoint[]} points @returns {PlanePick} */
-  made({ depth, deepest, apparent, radius, misfit }, points) {
+  made(plane, points) {
+    const { depth, deepest, apparent, radius, misfit } = plane;
     const measured = points.some((point) => point.measured);
-    return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image) };
+    return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image), ...this.sureness(plane, points) };
+  }
+
+  // Return how sure a plane is that was drawn on the image as it is shown.
+  /** @param {Plane} plane @param {WallPoint[]} [points] */
+  sureness(plane, points = []) {
+    const { path, view, renderer: { rects: { image } } } = this.app;
+    return late(this.app)?.surenessOf(path, plane, points, [view.length / image.height, 360 / image.width]);
   }
 
   // Set the class of the selected pick and of the next one; a plane cannot become a breakout, nor the other way: only the next one is.
@@ -441,7 +440,7 @@ export class Picking {
   /** @param {number} rows @param {number} angle */
   nudge(rows, angle) {
     const { pick, app } = this;
-    if (pick) this.put({ ...pick, ...(pick.kind === BREAKOUT ? {} : BY_HAND), depth: pick.depth + rows * Math.abs(app.store.levels[0].pitch), toolface: turned(pick.toolface + angle) });
+    if (pick) this.put({ ...pick, depth: pick.depth + rows * Math.abs(app.store.levels[0].pitch), toolface: turned(pick.toolface + angle) });
     return pick !== null;
   }
 
@@ -452,7 +451,7 @@ export class Picking {
     if (!pick) return;
     if (name !== 'note' && !Number.isFinite(valueAsNumber)) return void app.redraw();
     if (name === 'note') this.put({ ...pick, note: value });
-    else this.put({ ...pick, ...(pick.kind === BREAKOUT ? {} : BY_HAND), [name]: name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
+    else this.put({ ...pick, [name]: name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
   }
 
   /** @param {string} name @param {Record<string, string>} [more] */
@@ -553,44 +552,6 @@ export class Picking {
     return { kept, boxes, selected, current: done ?? fitPlane(app.path, [...this.points, ...more], kind), open: !done };
   }
 
-  // Write the card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.
-  /** @param {Planes} planes */
-  write({ kept, boxes, current, open }) {
-    if (!this.on) return;
-    const { units } = this.app.view;
-    const { pick } = this;
-    this.writeSaved();
-    byId('pickClass').value = pick?.kind ?? this.kind;
-    byId('dipKeep').disabled = open || !current;
-    hide(!pick, 'dipRemove');
-    byId('dipUndo').disabled = !this.points.length && !this.changes.length;
-    byId('dipRedo').disabled = !this.undone.length;
-    hide(!this.points.length, 'dipKeep'); // Keep, Delete and Open are shown one at a time, so that the buttons have room in one row
-    const saved = Boolean(this.app.contents);
-    hide(saved, 'dipSave');
-    hide(saved || Boolean(pick) || this.points.length > 0, 'dipLoad');
-    const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
-    const lines = [];
-    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; 1 to 6 change its class. A new pick begins off it.`);
-    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
-    else if (!current) lines.push([`Next ${this.kind} (1 to 6): drag along it, over a quarter turn or more, or mark three points around the hole.`, 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
-    else if (!open) lines.push('Enter keeps it; another point improves the fit.');
-    if (plane) {
-      const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
-      const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
-      const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : this.slack(plane);
-      const slot = plane.kind === 'bed' ? null : late(this.app)?.openingOf(this.app.store, plane);
-      const size = (/** @type {number} */ metres) => showLength(metres, units, units === 'mm' ? 0 : 2);
-      if (slot) lines.unshift(`open about ${size(slot.opening)} across, at least ${size(slot.deep)} deep`);
-      lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
-    }
-    else if (pick && axisOf(this.app.path, pick.depth, pick.toolface)) lines.unshift(`azimuth ${axisOf(this.app.path, pick.depth, pick.toolface)} from ${northOf(this.app.path)}`);
-    lines.push(`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`);
-    const text = lines.join('\n');
-    say('dipText', text);
-    writeFields(pick, units);
-  }
-
   get notSaved() {
     return `Picks are not saved in ${this.file}: its folder cannot be written. Download keeps them.`;
   }
@@ -611,34 +572,4 @@ export class Picking {
   }
 }
 
-// Show the numbers of the selected pick in fields; a field in which the user types is left as it is.
-/** @param {WallPick | null} pick @param {Units} units */
-function writeFields(pick, units) {
-  const box = byId('pickFields');
-  const fields = pick ? FIELDS[pick.kind === BREAKOUT ? BREAKOUT : 'plane'] : [];
-  const wanted = [depthUnit(units), ...fields.map(([name]) => name)].join();
-  box.hidden = !pick;
-  if (box.dataset.fields !== wanted) {
-    box.dataset.fields = wanted;
-    box.replaceChildren(...[...fields, ...(pick ? [['note', 'note']] : [])].map(([name, words]) => {
-      const [label, input] = ['label', 'input'].map((tag) => document.createElement(tag));
-      Object.assign(input, name === 'note' ? { name, type: 'text', maxLength: 80 } : { name, type: 'number', step: 'any' });
-      label.append(`${words} ${isDepth(name) ? `${depthUnit(units)} ` : ''}`, input);
-      return label;
-    }));
-  }
-  if (!pick) return;
-  const values = /** @type {Record<string, unknown>} */ ({ ...pick });
-  const input = (/** @type {string} */ name) => /** @type {HTMLInputElement | null} */ (box.querySelector(`[name=${name}]:not([data-typing])`));
-  for (const [name, , digits] of fields) {
-    const field = input(name);
-    if (field) field.value = String(Number((Number(values[name] ?? 0) * unitOfField(name, units)).toFixed(digits)));
-  }
-  const note = input('note');
-  if (note) note.value = pick.note ?? '';
-}
-
 export const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
-/** @param {Plane} plane */
-const inWords = ({ dip, azimuth, apparent, deepest }) =>
-  Number.isNaN(dip) ? `apparent dip ${showAngle(apparent)}, deepest at ${showAngle(deepest, 0)}` : `true dip ${showAngle(dip)} toward ${showAngle(azimuth, 0)}   (apparent ${showAngle(apparent)})`;

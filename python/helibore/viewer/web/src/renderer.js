@@ -228,7 +228,7 @@ export class Renderer {
     drawTops(ink, look);
     if (rects.image.width) drawNotes(ink, look);
     if (picking.on) for (const one of look.images) late(app)?.drawPoints(ink, one, picking.points);
-    picking.write(planes);
+    if (picking.on) late(app)?.writeCard(picking, planes);
     hide(!picking.drawn.length, 'netSection');
     if (byId('net').clientHeight) byId('netText').textContent = late(app)?.drawNet(sized(byId('net')), look, planes) ?? '';
     if (rects.axis.width) drawCursor(ink, look);

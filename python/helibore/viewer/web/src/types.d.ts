@@ -89,7 +89,7 @@ interface Looks extends Look { images: Look[]; curtain: Curtain | null } // the 
 interface WallPoint { depth: number; toolface: number; radius: number; measured?: boolean; seen?: boolean; image?: string }
 type PlaneKind = 'bed' | 'fracture' | 'healed fracture' | 'induced fracture' | 'fault';
 interface AnyPick { key: string; depth: number; toolface: number; radius?: number | null; note?: string; image?: string }
-interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number }
+interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number; dip_sigma?: number | null; toolface_sigma?: number | null; aperture?: number | null }
 interface BreakoutPick extends AnyPick { kind: 'breakout'; height: number; opening: number; tilt?: number }
 interface Note extends AnyPick { kind: 'note'; note: string }
 type WallPick = PlanePick | BreakoutPick;
@@ -98,7 +98,7 @@ interface PickChange { key: string; pick: SavedPick | null } // null: it is dele
 type Unsaved = Map<string, SavedPick | null>;
 interface Plane {
   a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
-  kind: PlaneKind; pick?: PlanePick; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
+  kind: PlaneKind; pick?: PlanePick; dip_sigma?: number; toolface_sigma?: number; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
 }
 interface Top { name: string; start: number; picked?: Plane; plane: Plane | null }
 interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }

@@ -7,7 +7,10 @@ import { bindKeys, bindTracks } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
 import { discOf, topInWords, topPlanes, topsOf } from '../src/plane_rings.js';
+import { openingOf } from '../src/opening.js';
+import { inWords } from '../src/pick_card.js';
 import { fromPlan, offPlan } from '../src/planned.js';
+import { intervalsOf, surenessOf } from '../src/sureness.js';
 import { readout } from '../src/panel.js';
 import { Path } from '../src/path.js';
 import { compass } from '../src/wall_ink.js';
@@ -242,10 +245,11 @@ test('the angles of a plane stand at the right end of its curve, where it is in 
 });
 
 function picking(more = {}) {
+  globalThis.more = { inWords, openingOf, surenessOf };
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, near: () => ({ k: 0, radius: 0.1 }), vertex: () => ({ radius: 0.1 }), levels: [{ sectors: 4, pitch: 0.1 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, near: () => ({ k: 0, radius: 0.1 }), vertex: () => ({ radius: 0.1 }), levels: [{ sectors: 4, pitch: 0.1, quadAt: () => 0 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, renderer: { rects: { image: { width: 360, height: 600 } } }, view: { units: 'mm', length: 6, set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
@@ -279,7 +283,7 @@ test('a pick names the image that it was drawn on, has no radius in a gauge hole
   const store = { ...made.app.store, basis: 'gauge', attributes: [{ name: 'GR' }, { name: 'RHOB' }], attributeAt: (i, { depth }) => (i === 1 || depth < 1020 ? 7 : NaN) };
   Object.assign(made.app, { store });
   trace(made, 1010.1, 210, undefined, { image: 'GR' });
-  assert.deepEqual([made.kept[0].image, made.kept[0].radius, sent.splice(0)], ['GR', null, ['bed at 1010.10 m: true dip 62.9° toward 203°   (apparent 45.0°). Ctrl Z takes it back.']]);
+  assert.deepEqual([made.kept[0].image, made.kept[0].radius, sent.splice(0)], ['GR', null, ['bed at 1010.10 m: true dip 62.9° ± 5 toward 203° ± 12   (apparent 45.0°). Ctrl Z takes it back.']]);
   trace(made, 1025.1, 210, undefined, { image: 'GR' });
   assert.deepEqual(sent, ['GR: nothing was measured where this was picked, 1025.10 m']);
 });
@@ -644,4 +648,52 @@ test('a hole is so far above and to the right of its plan as it is moved, lookin
   }
   const made = path(0, 0);
   assert.deepEqual(offPlan({ path: made, store: { plan: [[3, 4, 0], [3, 4, 20]] } }, 1010).sides, [], 'a vertical hole has no upper side');
+});
+
+test('95 % intervals of picks hold the true dip and azimuth of planes drawn with errors of 1 to 2 pixels', () => {
+  let state = 45;
+  const random = () => { // mulberry32
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+  const gauss = () => Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
+  for (const [count, length] of [[4, 3], [4, 20], [90, 3], [90, 20]]) {
+    const held = [0, 0];
+    const pixel = [length / 600, 1.4];
+    for (let i = 0; i < 300; i++) {
+      const made = path(5 + 60 * random(), 360 * random());
+      const truth = planeOf(made, { kind: 'fracture', depth: 1010, apparent_dip: 10 + 65 * random(), toolface: 360 * random(), radius: 0.1 }, 0.1);
+      const off = 1 + random();
+      const waves = [1, 2, 3, 4].map((k) => [k, gauss(), gauss(), gauss(), gauss()]); // a hand is off at many places together
+      const points = Array.from({ length: count }, (_, n) => {
+        const angle = (n * 360) / count + 40 * random();
+        const wave = (side) => (count < 9 ? gauss() : waves.reduce((sum, [k, ...parts]) => sum + (parts[side] * Math.cos(k * angle * RAD) + parts[side + 2] * Math.sin(k * angle * RAD)) / 2, 0));
+        return { toolface: angle + off * pixel[1] * wave(0), depth: planeDepth(made, truth, angle) + off * pixel[0] * wave(1), radius: 0.1 };
+      });
+      const plane = fitPlane(made, points, 'fracture');
+      const [dip, azimuth] = intervalsOf({ ...plane, ...surenessOf(made, plane, points, pixel) }, true);
+      held[0] += Math.abs(plane.dip - truth.dip) <= dip;
+      held[1] += Math.abs(((plane.azimuth - truth.azimuth + 540) % 360) - 180) <= azimuth;
+    }
+    for (const share of held.map((one) => one / 300)) assert.ok(share > 0.9 && share <= 0.995, `${count} points, ${length} m in view: ${held}`);
+  }
+});
+
+test('a pick made at a fine scale is surer than at a coarse one, keeps this where it is moved, and loses it where it is turned by hand', () => {
+  const { made } = picking();
+  trace(made, 1010, 90);
+  const fine = made.kept[0];
+  made.app.view.length = 60;
+  trace(made, 1020, 90);
+  assert.ok(made.kept[1].dip_sigma > 5 * fine.dip_sigma && made.kept[1].toolface_sigma > fine.toolface_sigma);
+  made.selected = fine.key;
+  made.nudge(2, 0);
+  assert.equal(made.pick.dip_sigma, fine.dip_sigma, 'moved along the hole');
+  made.nudge(0, 5);
+  assert.ok(made.pick.dip_sigma > 5 * fine.dip_sigma, 'turned at the coarse scale');
+  assert.match(inWords(made.plane(made.pick), made.app.path), /^true dip \d+\.\d° ± \d+ toward \d+°( ± \d+| or any) {3}\(apparent /);
+  made.receive([{ key: 'read', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45, dip_sigma: null, toolface_sigma: null }]);
+  assert.doesNotMatch(inWords(made.plane(made.kept.find(({ key }) => key === 'read')), made.app.path), /±/, 'a pick from elsewhere');
 });
