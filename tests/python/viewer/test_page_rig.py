@@ -466,6 +466,10 @@ def test_at_rest_each_way_names_its_body_and_each_place_is_named_once(browser: A
             "the second place, too"
         )
         assert screen.inner_text("#alarmText") == "Tight −9 mm at 1024, −8 mm at 1028, −6 mm at 1013 m", "once"
+        whole = (1000.0, 1031.0, 0.212, 1020.0, "bit", 1020.0, 0)
+        viewer.scene.update_state(ahead=ahead | {"up": {"places": (whole,)}, "down": None, "moving": "up"})
+        more = "document.getElementById('rigWorstMore').textContent"
+        screen.until(f"{more} === '1000.0–1031.0 m: check caliper, bit'")  # the bit drilled all of it
         assert screen.evaluate(CLIPPED) == []
         screen.close()
 

@@ -153,7 +153,7 @@ function writeWorst(app) {
   const { sure, within, zone, way } = worst;
   const count = tight.filter((of) => of.way === way).length;
   const sureness = Number.isNaN(sure) ? '' : `, ${percent(sure)} sure`;
-  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : way && !isAt ? '' : ' place'}${way && !isAt ? ` going ${way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
+  cell('rigWorst', `Worst${count > 1 ? ` of ${count}` : way && !isAt ? '' : ' place'}${way && !isAt ? ` going ${way}` : ''}: ${kindOf(worst)}${sureness}`, digits, `${unit} ${worst.most ? 'or tighter' : intervalOf(within, units)}`, `${showSpan(worst.start, worst.stop, units)}${worst.tight && worst.stop - worst.start > RECENT ? ': check caliper, bit' : distant || worst.tight ? distant : `, ${IN_WORDS[zone?.kind ?? 'washout']}`}`);
   if (stale) return cell('rigWhere', 'Next: not known', '–', '', noBit(app));
   if (name) return now(tight.find((of) => !isHere(of)));
   const { first } = next;
