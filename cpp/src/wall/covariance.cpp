@@ -633,7 +633,7 @@ struct Parts {
                 "must be whole parts");
         for (const std::vector<double>& each : covariances)
             require(each.size() >= 8 && each.size() <= 12 && each.size() != 10 && each[0] > 0.0, "covariances",
-                    std::ssize(each), "must have two or three terms, and a radius above 0");
+                    Index{std::ssize(each)}, "must have two or three terms, and a radius above 0");
     }
     SampleColumns all() const { return {columns[0], columns[1], columns[2]}; }
     // Calls job(part, samples) for each part; the threads share the parts.
@@ -679,7 +679,7 @@ std::vector<std::vector<double>> covariances_near(const SampleColumns& samples, 
                                                   int threads, InstructionSet instruction_set) {
     Parts parts(samples, block_size, blocks, starts, threads);
     require(spacing >= 0.0 && spacing <= 1e3, "spacing", spacing, "must lie in 0 to 1000 m");
-    require(std::ssize(starts) == parts.count, "starts", std::ssize(starts), "must be one for each part");
+    require(std::ssize(starts) == parts.count, "starts", Index{std::ssize(starts)}, "must be one for each part");
     std::vector<std::vector<double>> found(starts.size());
     parts.each(threads, [&](std::size_t part, const SampleColumns& own) {
         Fit fit(own, static_cast<std::size_t>(block_size), starts[part][0], 1, instruction_set);

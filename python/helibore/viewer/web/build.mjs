@@ -19,10 +19,10 @@ const shaders = {
   name: 'shaders',
   setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: shortened(unindented(path)) })),
 };
-// The page without a server has no rig mode.
+// The page without a server has no rig mode and no planned path.
 const withoutRig = {
-  name: 'without rig mode',
-  setup: (build) => build.onLoad({ filter: /rig(_digits\.js|_places\.js|\.css)$/ }, () => ({ contents: 'export const hungInRig = 0, placesOf = 0, rigSection = 0, tightNow = 0, writeDigits = 0, zonesInRig = 0; export default 0;', loader: 'js' })),
+  name: 'without rig mode and planned path',
+  setup: (build) => build.onLoad({ filter: /(rig(_digits\.js|_places\.js|\.css)|planned\.js)$/ }, () => ({ contents: 'export const drawPlan = 0, planInWords = 0, hungInRig = 0, placesOf = 0, rigSection = 0, tightNow = 0, writeDigits = 0, zonesInRig = 0; export default 0;', loader: 'js' })),
 };
 // What a module imports of these is a text.
 const texts = {

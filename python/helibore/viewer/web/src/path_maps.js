@@ -2,10 +2,10 @@
 // and the cursor on the whole hole, what of the planned path is there and, from the side, the tops where they cross the hole.
 
 import { HEAD, label, PALETTES, SMALL, touch, within } from './layout.js';
-import { niceStep } from './lod.js';
 import { topPlanes } from './plane_rings.js';
+import { scaleBar } from './scale_bar.js';
 import { edges, line } from './strokes.js';
-import { depthNumber, LENGTHS } from './units.js';
+import { depthNumber } from './units.js';
 
 const LEAST = 92; // pixels of a side
 const FOOT = 24; // pixels below a map, for the bar of its scale
@@ -15,16 +15,6 @@ const POINTS = ['N', 'NNE', 'NE', 'ENE', 'E', 'ESE', 'SE', 'SSE', 'S', 'SSW', 'S
 // Return the name of the nearest of sixteen directions.
 /** @param {number} azimuth radians */
 const nameOf = (azimuth) => POINTS[((Math.round((azimuth * 8) / Math.PI) % 16) + 16) % 16];
-
-// Draw a bar of at least 40 pixels, with its length above it.
-/** @param {Ink} ink @param {number} x @param {number} y @param {number} perMetre @param {View} view @param {Palette} palette */
-export function scaleBar(ink, x, y, perMetre, { units }, palette) {
-  const { scale, unit } = LENGTHS[units].depth;
-  const perUnit = perMetre / scale; // pixels
-  const size = niceStep(40 / perUnit);
-  for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
-  label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
-}
 
 // Draw the plan at the left of the pane, or at the right where the hole or a name is there, and the side where it has room.
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes */
