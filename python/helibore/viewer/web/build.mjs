@@ -19,10 +19,10 @@ const shaders = {
   name: 'shaders',
   setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: shortened(unindented(path)) })),
 };
-// The page without a server has no rig mode and no planned path.
+// The page without a server has no rig mode, no planned path and no print.
 const withoutRig = {
-  name: 'without rig mode and planned path',
-  setup: (build) => build.onLoad({ filter: /(rig(_digits\.js|_places\.js|\.css)|planned\.js)$/ }, () => ({ contents: 'export const drawPlan = 0, planInWords = 0, hungInRig = 0, placesOf = 0, rigSection = 0, tightNow = 0, writeDigits = 0, zonesInRig = 0; export default 0;', loader: 'js' })),
+  name: 'without rig mode, planned path and print',
+  setup: (build) => build.onLoad({ filter: /(rig(_digits\.js|_places\.js|\.css)|planned\.js|pane_picture\.js)$/ }, () => ({ contents: 'export const drawPlan = 0, paneOf = 0, planInWords = 0, hungInRig = 0, placesOf = 0, rigSection = 0, tightNow = 0, writeDigits = 0, zonesInRig = 0; export default 0;', loader: 'js' })),
 };
 // What a module imports of these is a text.
 const texts = {

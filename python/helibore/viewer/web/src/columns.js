@@ -28,15 +28,15 @@ export const shoeInWords = ([name, , , , diameter = 0], units) => `shoe ${name},
 /** @type {Map<string, string[]>} */
 const wrapped = new Map();
 
-// Return a text in lines that are at most `width` pixels wide.
-/** @param {Ink} ink @param {string} text @param {number} width */
-export function inLines(ink, text, width) {
-  const key = `${width} ${text}`;
+// Return a text in lines that are at most `width` pixels wide, broken at its gaps.
+/** @param {Ink} ink @param {string} text @param {number} width @param {string} [gap] */
+export function inLines(ink, text, width, gap = ' ') {
+  const key = `${width} ${ink.font} ${text}`;
   let lines = wrapped.get(key);
   if (lines) return lines;
   lines = [];
-  for (const word of text.split(/\s+/)) {
-    const longer = [...lines.slice(-1), word].join(' ');
+  for (const word of text.split(gap === ' ' ? /\s+/ : gap)) {
+    const longer = [...lines.slice(-1), word].join(gap);
     if (lines.length && ink.measureText(longer).width <= width) lines[lines.length - 1] = longer;
     else lines.push(word);
   }

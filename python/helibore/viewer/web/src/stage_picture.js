@@ -5,7 +5,7 @@ import { inLines } from './columns.js';
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { byId } from './dom.js';
-import { BOLD, FONT, HEAD, label, layout, PALETTES, SMALL } from './layout.js';
+import { BOLD, FONT, label, layout, PALETTES, SMALL } from './layout.js';
 import { endOf, eyeDepth, isInside } from './inside.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
@@ -14,7 +14,7 @@ import { showAngle, showDepth, showSpan } from './units.js';
 import { captionOf } from './wall_ink.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
-const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
+export const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
 const SLIDE_CLEAR = 28; // pixels above and below the section: a slide has no controls
 const WAIT = 5000; // milliseconds
 const MOST_TILES = 32; // of a picture that waits for all of its parts
@@ -112,12 +112,12 @@ const inView = (view, { kept, boxes }) => [...kept, ...boxes].filter(({ depth })
 
 // Return how wide the part with the picks is beside a picture; 0 without any in view.
 /** @param {View} view @param {Planes} planes @param {number} width @param {number} height */
-const sideOf = (view, planes, width, height) => (inView(view, planes).length ? Math.round(Math.min(SIDE.most, Math.max(SIDE.least, SIDE.share * height - width))) : 0);
+export const sideOf = (view, planes, width, height) => (inView(view, planes).length ? Math.round(Math.min(SIDE.most, Math.max(SIDE.least, SIDE.share * height - width))) : 0);
 
 // Draw the stereonet, the rose and the picks in view, which together fill the height: symbol, depth, class, dip and azimuth of as many
 // as there is room for.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} width @param {number} height */
-function drawSide(ink, look, planes, width, height) {
+export function drawSide(ink, look, planes, width, height) {
   const { view, path } = look;
   const palette = PALETTES[view.theme];
   const shown = inView(view, planes);
@@ -136,30 +136,4 @@ function drawSide(ink, look, planes, width, height) {
     for (const [text, x, align] of row) if (text) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
   });
   if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 36, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
-}
-
-// Return the 3-D view with the picks beside it as a PNG, to be printed; null without one.
-/** @param {App} app @param {(ratio: number) => void} sharpen @returns {Promise<Blob | null>} */
-export function paneOf({ renderer, view, picking, repaint }, sharpen) {
-  const { gpu, straight, rects: { wall: rect } } = renderer;
-  if (!gpu || straight || !rect.width) return Promise.resolve(null);
-  const inks = byId('ink');
-  const planes = picking.planes();
-  const look = renderer.look();
-  const top = HEAD; // the controls stand above
-  const side = sideOf(view, planes, rect.width, rect.height - top);
-  const canvas = Object.assign(/** @type {Canvas} */ (document.createElement('canvas')), { width: FINE * (rect.width + side), height: FINE * (rect.height - top), labels: [], strokes: [] });
-  const ink = pen(canvas);
-  sharpen(FINE);
-  renderer.drawInk(look);
-  gpu.draw(look);
-  ink.scale(FINE, FINE);
-  for (const layer of [gpu.canvas, inks]) ink.drawImage(layer, -rect.left, -top, inks.clientWidth, inks.clientHeight);
-  ink.translate(rect.width, 0);
-  ink.fillStyle = PALETTES[view.theme].paper;
-  ink.fillRect(0, 0, side, rect.height);
-  if (side) drawSide(ink, look, planes, side, rect.height - top);
-  sharpen(0);
-  repaint();
-  return new Promise((done) => canvas.toBlob(done));
 }

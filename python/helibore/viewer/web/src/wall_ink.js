@@ -3,6 +3,7 @@
 import { themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { anglesInWords, wallPoint } from './dips.js';
+import { inLines } from './columns.js';
 import { drawInsideInk } from './inside_ink.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
@@ -17,6 +18,7 @@ import { dot, eastNorthUp, minus, scaled } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 import { isSure } from './zones.js';
 
+const GAP = '   ';
 const NEEDLE = 30; // pixels from the middle of the compass to its rim
 
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes */
@@ -52,7 +54,7 @@ export function drawWallInk(ink, look, gpu, calipers, planes) {
 
 // Return in lines of a width how the hole is drawn and what else is seen. On a slide of the path they stand above the picture.
 /** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {number} width @param {boolean} [slide] */
-export const captionOf = (ink, look, planes, width, slide = false) => inLines(ink, inWords(look, planes, look.view.tubeFactor(look.store), slide), width);
+export const captionOf = (ink, look, planes, width, slide = false) => captionLines(ink, inWords(look, planes, look.view.tubeFactor(look.store), slide), width);
 
 /** @param {Looks} look @param {Planes} planes @param {number} tube @param {boolean} slide */
 function inWords(look, planes, tube, slide) {
@@ -77,16 +79,9 @@ function inWords(look, planes, tube, slide) {
 
 // Return the words in as few lines as the width allows.
 /** @param {Ink} ink @param {string[]} words @param {number} width */
-export function inLines(ink, words, width) {
+export function captionLines(ink, words, width) {
   ink.font = FONT;
-  /** @type {string[]} */
-  const lines = [];
-  for (const word of words) {
-    const longer = [...lines.slice(-1), word].join('   ');
-    if (lines.length && ink.measureText(longer).width <= width) lines[lines.length - 1] = longer;
-    else lines.push(word);
-  }
-  return lines;
+  return inLines(ink, words.join(GAP), width, GAP);
 }
 
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Profile} calipers @param {Planes} planes @param {Palette} palette @param {Box} words those at the foot */

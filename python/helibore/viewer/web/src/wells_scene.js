@@ -11,7 +11,7 @@ import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
 import { byId } from './dom.js';
 import { depthNumber, depthUnit } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
-import { compass, inLines } from './wall_ink.js';
+import { captionLines, compass } from './wall_ink.js';
 
 const WIDE = 2.4; // of a disc, in radii of the drawn hole: the scene is seen from afar
 const TUBE = 0.03; // diameter of the nearest hole, in heights of the picture
@@ -357,7 +357,7 @@ export class Scene {
     compass(ink, gpu, rect, palette);
     const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
     const words = [...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
-    const lines = inLines(ink, words, rect.width - 120); // beside the compass
+    const lines = captionLines(ink, words, rect.width - 120); // beside the compass
     lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   }
 
