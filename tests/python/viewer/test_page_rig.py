@@ -240,6 +240,8 @@ def test_rig_mode_shows_the_bit_where_the_clearances_were_found_unless_it_moved_
         screen.until("document.querySelector('#rigBodies .name')")
         rows = screen.evaluate(ROWS)
         assert [row[3:] for row in rows] == [["≤1.2 m", "none"], ["– not known 1005–1010", "none"]]
+        pale = "[...document.querySelectorAll('#rigBodies .soft')].map((at) => at.textContent.trim())"
+        assert screen.evaluate(pale) == ["≤1.2 m", "none", "none"], "a bound is no distance that is free"
         assert screen.evaluate(OVER) == []
         depth = "document.getElementById('rigBit').textContent"
         viewer.scene.update_state(bit_depth=1019.6)

@@ -321,7 +321,7 @@ function writeBodies(app) {
     const first = make('p', name, `${state} name`);
     if (tag) first.append(make('small', tag, 'note'));
     return [first, ...values.map(([digits, unit, note]) => {
-      const value = make('p', digits, `${state} size${('none –'.includes(digits) && !note) || note === MAY ? ' soft' : ''}`);
+      const value = make('p', digits, `${state} size${('none –'.includes(digits) && !note) || note === MAY || digits.startsWith('≤') ? ' soft' : ''}`);
       if (unit) value.append(make('small', ` ${unit}`));
       if (note) value.append(make('small', note, 'note'));
       return value;
