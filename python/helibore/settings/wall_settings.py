@@ -141,7 +141,7 @@ class Settings(Declared, group="wall"):
     robust: Annotated[bool,
         "'near-and-far': a sample that lies beyond the radii of the eight samples beside it by more than 2.5 "
         "deviations of the noise hardly counts; of the eight, the greatest and the least do not count, and none is one "
-        "of the eight samples before and after it in order of depth. 'automatic' sets it where more than three of 400 "
+        "of the eight samples before and after it in order of depth. 'automatic' sets it where more than three of 500 "
         "samples of a tool that measures all around are spikes.",
     ] = False  # fmt: skip
     arm_biases: Annotated[tuple[float, ...] | None, BIASES,

@@ -19,13 +19,13 @@ from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import Columns, few_rows, in_core
 
-MANY = 0.0075
+MANY = 0.006
 """Share of the samples; if more are spikes, the tool makes them. Of holes without spikes, whose events are each seen by
-a few samples, up to 0.0055 look so; an event that one sample sees is no other than a spike."""
+a few samples, up to 0.0057 look so; an event that one sample sees is no other than a spike."""
 BURST = 8
 """Samples in a row that may be wrong. Also in `near_far.cpp`."""
 _BESIDE, _LARGE, _ALONG = 8, 3.3, 8.0
-_SOME = 2000
+_SOME = 4000
 _MEDIAN = 1.4826
 """Standard deviation of normal errors over the median of their absolute values."""
 
