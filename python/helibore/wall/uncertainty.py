@@ -18,13 +18,14 @@ half as far again but at most 0.15 m, as far as a measured vertex may be from it
 With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
 square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples; if the arms of the samples are
 known, plus what their biases add (`helibore.wall.arm_biases`). If most samples have no other one within 0.1 m, they do
-not tell noise from a rough wall between them: half of the noise then counts as roughness, with the kriging variance. If
-the samples of few arms leave several turns of the shape along the hole about as likely, the kriging variance is the
-expected square about the mean of their walls. There, a gap of the turn is measured within the greatest length of
-the covariance along the hole (0.5 to 15 m) above and below the vertex, unless within that length the samples lie as
-those of one to three arms: these cannot show how the shape changes around the hole. A gap that is wider than the length
-of the long term around the hole (two thirds of it if the term repeats after half a turn) may hide a shape, unless the
-shape turns past the arms.
+not tell noise from a rough wall between them: half of the noise then counts as roughness, with the kriging variance. Of
+closer samples, the part of the noise by which each one does not differ from the nearest one counts: a fine roughness
+that the covariance takes for noise, or the error of steps, which neighbours share. If the samples of few arms leave
+several turns of the shape along the hole about as likely, the kriging variance is the expected square about the mean of
+their walls. There, a gap of the turn is measured within the greatest length of the covariance along the hole (0.5 to
+15 m) above and below the vertex, unless within that length the samples lie as those of one to three arms: these cannot
+show how the shape changes around the hole. A gap that is wider than the length of the long term around the hole (two
+thirds of it if the term repeats after half a turn) may hide a shape, unless the shape turns past the arms.
 
 With `Settings.stretches`, all this is by the covariance of the stretch in which a vertex lies.
 
@@ -76,6 +77,7 @@ are alike all along it was at most 3.1."""
 _EVENTS = 1e-3  # share of the places
 _PLACES = 20_000  # about
 _ROUGHNESS = 0.5  # share of the noise that then is roughness of the wall
+_LEAST, _OF_LEAST = 0.9, 0.623  # of normal values, the least nine of ten have this share of the mean square
 NORMAL_95 = 1.959964
 
 
@@ -143,8 +145,8 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     stretches = stretches_of(wall.settings)
     depth = whole_helix(wall).depth(np.arange(variance.size))
     of = stretch_of(stretches, depth)
-    if _far_apart(samples, wall.settings, stretches[0].covariance.radius):
-        variance += factor**2 * _ROUGHNESS * noise_at(wall.settings, depth)
+    share = _roughness(samples, wall.settings, stretches[0].covariance.radius)
+    variance += factor**2 * share * noise_at(wall.settings, depth)
     events = shows_events(samples, wall.settings, threads)
     if events:
         variance *= wall.sums[1]
@@ -160,12 +162,19 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     return sigma
 
 
-def _far_apart(samples: Columns, settings: Settings, radius: float) -> bool:
-    """Return whether most samples have no other one within `_CLOSE` on a wall of a radius."""
-    rows = few_rows(samples[0], _FEW_TARGETS)
+def _roughness(samples: Columns, settings: Settings, radius: float) -> float:
+    """Return the share of the noise that is roughness of a wall of a radius, or what samples side by side share."""
+    from helibore.wall.covariance import noise_at
+
+    rows = few_rows(samples[0], TARGETS)
     simple = replace(settings, estimator="inverse-distance", neighbors=1, max_distance=None, angular_scale=1.0)
-    nearest = estimate_left_out(samples, rows, simple, trial=np.full(rows.size, radius)).nearest
-    return bool(np.sum(nearest <= _CLOSE) < 0.5 * rows.size)
+    found = estimate_left_out(samples, rows, simple, trial=np.full(rows.size, radius))
+    if np.sum(found.nearest <= _CLOSE) < 0.5 * rows.size:
+        return _ROUGHNESS
+    squares = (samples[2][rows] - found.radius) ** 2 / (2.0 * noise_at(settings, samples[0][rows]))
+    squares = np.sort(squares[np.isfinite(squares)])
+    differ = squares[: int(np.ceil(_LEAST * squares.size))].mean() / _OF_LEAST
+    return float(f"{max(1.0 - differ, 0.0):.6g}")  # six digits: as in `calibrate`
 
 
 def shows_events(samples: Columns, settings: Settings, threads: int) -> bool:

@@ -226,6 +226,29 @@ def test_one_pass_of_two_arms_that_turn_is_known_near_them_alone() -> None:
     assert np.isfinite(walls[1].sigma).all()
 
 
+def test_roughness_that_the_covariance_takes_for_noise_is_in_the_interval_of_dense_samples() -> None:
+    def rough(depth: Floats, toolface: Floats) -> Floats:
+        waves = [(6, 30.0, 0.0), (4, -24.0, 2.0), (5, 36.0, 4.0)]
+        angle = np.radians(toolface)
+        off = sum(np.cos(around * angle + along * depth + phase) for around, along, phase in waves)
+        return np.asarray(0.11 + 4e-4 * off * np.sqrt(2 / 3))
+
+    depth, toolface = np.arange(12_800) * (0.02 / 64), np.arange(12_800) * (360.0 / 64) % 360.0
+    radius = rough(depth, toolface) + np.random.default_rng(2).normal(0, 3e-4, depth.size)
+    covariance = (0.11, 3e-4**2 + 4e-4**2, 1e-8, 0.5, 5.0)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="near-and-far", covariance=covariance
+    )
+    inside = (wall.depth > 0.2) & (wall.depth < 3.8)
+    held = np.abs(wall.radius - rough(wall.depth, wall.toolface))[inside] <= 1.96 * wall.sigma[inside]
+    assert 0.9 < np.mean(held) < 0.995
+    smooth = rough(depth, toolface) * 0 + 0.11 + np.random.default_rng(2).normal(0, 5e-4, depth.size)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, toolface, smooth), bit_diameter=BIT, estimator="near-and-far", covariance=covariance
+    )
+    assert np.median(wall.sigma) < 1e-4
+
+
 def test_missing_in_gaps_of_depth_and_turn() -> None:
     """Three metres without samples, and a quarter of the turn without samples below them."""
     full = caliper()
