@@ -26,7 +26,7 @@ from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
 from helibore.wall.covariance import (
     FEWEST,
     Likely,
-    Stretch,
+    CovarianceFrom,
     Term,
     content_seed,
     likely_covariances,
@@ -177,7 +177,7 @@ def _by_samples_left_out(
     return Choice(full if full.robust or gain[2] > 0.0 else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
-def near_and_far(likely: Likely, settings: Settings, stretches: Sequence[Stretch] = ()) -> Settings:
+def near_and_far(likely: Likely, settings: Settings, stretches: Sequence[CovarianceFrom] = ()) -> Settings:
     """Return the settings of kriging with near and far neighbours by likely covariances, or those of stretches."""
     reach = settings.max_distance
     if reach == Settings.max_distance:

@@ -106,7 +106,7 @@ class Covariance:
         return float(np.clip(max(term.along for term in self.terms), 0.5, FARTHEST_ALIKE))
 
 
-class Stretch(NamedTuple):
+class CovarianceFrom(NamedTuple):
     """A stretch of a hole, with its own covariance."""
 
     start: float  # the depth from which on it counts, metres
@@ -208,14 +208,14 @@ def other_turns(likely: Likely) -> tuple[float, ...] | None:
     return tuple(value for of in values for value in of) or None
 
 
-def stretches_of(settings: Settings) -> list[Stretch]:
+def stretches_of(settings: Settings) -> list[CovarianceFrom]:
     """Return the stretches of the hole that the settings of a wall have; the first is what lies above the others."""
     others = np.reshape(settings.stretches or (), (-1, 13)).tolist()
-    first = Stretch(-np.inf, covariance_of(settings.covariance or ()))
-    return [first, *(Stretch(start, covariance_of(values)) for start, *values in others)]
+    first = CovarianceFrom(-np.inf, covariance_of(settings.covariance or ()))
+    return [first, *(CovarianceFrom(start, covariance_of(values)) for start, *values in others)]
 
 
-def stretch_of(stretches: Sequence[Stretch], depth: Floats) -> Integers:
+def stretch_of(stretches: Sequence[CovarianceFrom], depth: Floats) -> Integers:
     """Return the number of the stretch at each depth."""
     return np.searchsorted([of.start for of in stretches], depth, side="right") - 1
 
@@ -227,7 +227,7 @@ def noise_at(settings: Settings, depth: Floats) -> Floats:
     return noise
 
 
-def excess_noise(stretches: Sequence[Stretch], number: int) -> Floats:
+def excess_noise(stretches: Sequence[CovarianceFrom], number: int) -> Floats:
     """Return for each stretch what its samples have more of noise for vertices of the stretch ``number``, m^2."""
     own = stretches[number].covariance
     levels = np.array([(of.radius, of.noise + of.variance) for _, of in stretches]).T
@@ -235,7 +235,7 @@ def excess_noise(stretches: Sequence[Stretch], number: int) -> Floats:
     return more
 
 
-def stretch_values(stretches: Sequence[Stretch]) -> tuple[float, ...] | None:
+def stretch_values(stretches: Sequence[CovarianceFrom]) -> tuple[float, ...] | None:
     """Return the setting ``stretches`` of a wall; None for none."""
     values: list[float] = []
     for start, of in stretches:

@@ -16,7 +16,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, distinct
 from helibore.base.thread_count import thread_count
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import Covariance, Stretch, Term, excess_noise, likely_by, stretch_of, stretches_of
+from helibore.wall.covariance import Covariance, CovarianceFrom, Term, excess_noise, likely_by, stretch_of, stretches_of
 from helibore.wall.estimates import Boxes, Columns, in_core
 from helibore.wall.spikes import BURST
 
@@ -52,11 +52,11 @@ class Places:
     """Neighbours of places on the wall among the samples, which are in order of depth."""
 
     def __init__(
-        self, samples: Columns, of: Covariance | tuple[Sequence[Stretch], int], count: int, max_distance: float,
+        self, samples: Columns, of: Covariance | tuple[Sequence[CovarianceFrom], int], count: int, max_distance: float,
         robust: bool = False,
     ) -> None:  # fmt: skip
         """``of``: the covariance, or stretches of the hole and the number of that in which the places lie."""
-        stretches, number = ([Stretch(-np.inf, of)], 0) if isinstance(of, Covariance) else of
+        stretches, number = ([CovarianceFrom(-np.inf, of)], 0) if isinstance(of, Covariance) else of
         covariance = stretches[number].covariance
         self.samples, self.covariance, self.count = samples, covariance, count
         self.max_distance, self.robust = max_distance, robust

@@ -22,7 +22,7 @@ from helibore.base.thread_count import thread_count
 from helibore.wall.covariance import (
     BLOCK_SIZE,
     Likely,
-    Stretch,
+    CovarianceFrom,
     choose_blocks,
     content_seed,
     covariance_of,
@@ -44,7 +44,7 @@ Cut = tuple[list[int], list[int]]
 """The parts at which stretches begin, and the candidate of each stretch."""
 
 
-def find_stretches(samples: Columns, likely: Likely, robust: bool, threads: int | None) -> list[Stretch]:
+def find_stretches(samples: Columns, likely: Likely, robust: bool, threads: int | None) -> list[CovarianceFrom]:
     """Return the stretches of a hole, whose samples are in order of depth; [] if it is alike all along.
 
     ``likely``: the covariances of the whole hole. Below the samples, that of the whole hole counts again.
@@ -82,8 +82,8 @@ def find_stretches(samples: Columns, likely: Likely, robust: bool, threads: int 
         for kind, rows, of in zip(kinds, alike, fitted, strict=True)
     }
     begins = samples[0][edges[cuts]].tolist()
-    found = [Stretch(start, covariances[kind]) for start, kind in zip(begins, chosen, strict=True)]
-    return [*found, Stretch(float(np.nextafter(samples[0][-1], np.inf)), whole)]  # of what is drilled later
+    found = [CovarianceFrom(start, covariances[kind]) for start, kind in zip(begins, chosen, strict=True)]
+    return [*found, CovarianceFrom(float(np.nextafter(samples[0][-1], np.inf)), whole)]  # of what is drilled later
 
 
 def _edges(depth: Floats) -> Integers:
