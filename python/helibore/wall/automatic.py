@@ -2,9 +2,9 @@
 
 A covariance is fitted to the samples (`helibore.wall.covariance`), or one to each of the stretches that are unlike
 (`helibore.wall.stretches`). Where a tool measures all around the hole, samples that are left out show the errors,
-whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near and far neighbours are better.
-Between the arms of a tool, and between the samples of slow telemetry, there are no such samples. There near and far
-neighbours are taken, and the covariance gives the expected error at random places of the wall. Where no arm saw the
+whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near and far neighbours are certainly
+better. Between the arms of a tool, and between the samples of slow telemetry, there are no such samples. There near and
+far neighbours are taken, and the covariance gives the expected error at random places of the wall. Where no arm saw the
 wall, no error can be known (as for `Wall.sigma`); the share is stated.
 """
 
@@ -43,6 +43,8 @@ from helibore.wall.stretches import find_stretches
 from helibore.wall.tuning import errors_and_gains, tuning_with
 from helibore.wall.uncertainty import shows_events, with_gaps_of_shape
 
+CERTAIN = 1.0
+"""Standard errors by which near and far neighbours must be better at samples that are left out."""
 MOST_OPEN = 0.4
 """Share of the places in the turns of samples that may have no sample near their toolface, up to `MOST_BOX_DEPTH` above
 and below: of more, samples that are left out do not show the errors."""
@@ -158,7 +160,7 @@ def _open_share(boxes: Boxes) -> float:
 def _by_samples_left_out(
     samples: Columns, rows: Integers, boxes: Boxes, simple: Settings, full: Settings, seed: int, threads: int
 ) -> Choice:
-    """Choose as `helibore.wall.tune` does, then near and far neighbours if they are better.
+    """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
 
     They are also chosen if they are robust: samples that are left out, which may be spikes too, do not show how far an
     estimator follows spikes. The errors are those at samples that are left out with an empty box around them, less the
@@ -174,7 +176,7 @@ def _by_samples_left_out(
     names = ("inverse-distance", tuned.estimator, "near-and-far")
     noise = float(noise_at(full, samples[0][rows]).mean())
     expected = np.sqrt(np.maximum(off[[1, 0, 2]] ** 2 - noise, 0.01 * noise))
-    return Choice(full if full.robust or gain[2] > 0.0 else tuned, dict(zip(names, expected.tolist(), strict=True)))
+    return Choice(full if full.robust or gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
 def near_and_far(likely: Likely, settings: Settings, stretches: Sequence[CovarianceFrom] = ()) -> Settings:
