@@ -25,8 +25,8 @@ from helibore.wall.arm_biases import follow_the_shape, found_biases, without_bia
 from helibore.wall.continuation import leaves_most_unmeasured, spread_gaps
 from helibore.wall.covariance import (
     FEWEST,
-    Likely,
     CovarianceFrom,
+    Likely,
     Term,
     content_seed,
     likely_covariances,

@@ -21,8 +21,8 @@ from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.thread_count import thread_count
 from helibore.wall.covariance import (
     BLOCK_SIZE,
-    Likely,
     CovarianceFrom,
+    Likely,
     choose_blocks,
     content_seed,
     covariance_of,
