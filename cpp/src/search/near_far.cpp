@@ -23,6 +23,7 @@ constexpr double large_noise = 0.25;                // of the variance of the lo
 constexpr std::size_t beside = 8;                   // neighbours with which one is compared
 constexpr Index burst = 8;                          // samples before and after one that may be wrong with it
 constexpr double most_off = 2.5;                    // deviations of the noise
+constexpr double beside_border = 0.2;               // metres: samples of another stretch count so far from it
 constexpr double share = 0.35, small_share = 0.25;  // of the lengths of the long term: the size of a cell
 
 // Settings under which the search finds the nearest samples by one term of the covariance.
@@ -311,10 +312,14 @@ void NearFar::judge(Scratch& scratch) const {
     const std::vector<std::uint32_t>& starts = scratch.starts;
     const std::size_t count = starts.size() - 1;
     scratch.added.assign(count, 0.0);
+    const double start = number_ < excess_.size() ? excess_[number_].start : -no_limit;
+    const double stop = number_ + 1 < excess_.size() ? excess_[number_ + 1].start : no_limit;
     if (excess_.size() > 1)
         for (std::size_t k = 0; k < count; ++k) {
             const double depth = scratch.members[starts[k]].depth;
-            scratch.added[k] = std::prev(std::ranges::upper_bound(excess_, depth, {}, &Excess::start))->noise;
+            const Excess& of = *std::prev(std::ranges::upper_bound(excess_, depth, {}, &Excess::start));
+            const double away = std::max({start - depth, depth - stop, 0.0});
+            scratch.added[k] = of.noise + of.by_square * away * away;
         }
     if (!robust_) return;
     const auto single = [&](std::size_t k) { return starts[k + 1] == starts[k] + 1; };
@@ -478,8 +483,8 @@ LikelyNearFar::LikelyNearFar(const Settings& settings) {
         std::vector<NearFar::Excess> excess;
         for (const Stretch& other : all) {
             const double off = other.covariance[0] - all[k].covariance[0];
-            const double more = variance(other.covariance) - variance(all[k].covariance);
-            excess.push_back({other.start, std::max(more, 0.0) + off * off});
+            const double own = variance(all[k].covariance), greater = std::max(own, variance(other.covariance));
+            excess.push_back({other.start, greater - own + off * off, greater / (beside_border * beside_border)});
         }
         of.covariance = all[k].covariance;
         const double stop = k + 1 < all.size() ? all[k + 1].start : no_limit;
@@ -487,7 +492,7 @@ LikelyNearFar::LikelyNearFar(const Settings& settings) {
     }
     for (auto other = settings.other_turns.begin(); other != settings.other_turns.end(); other += Settings::of_turn) {
         of.covariance.assign(other + 1, other + Settings::of_turn);
-        each_.push_back({*other, -no_limit, no_limit, NearFar(of, each_.size(), {{-no_limit, 0.0}})});
+        each_.push_back({*other, -no_limit, no_limit, NearFar(of, each_.size(), {{-no_limit, 0.0, 0.0}})});
         each_[0].share -= *other;
     }
 }

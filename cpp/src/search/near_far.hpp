@@ -23,8 +23,9 @@
 // With Settings::stretches, a vertex has the covariance of its stretch of the hole:
 //
 //     quiet          | washed out      | quiet       depth -->
-//      a vertex here . . . . . these samples have more noise for it: by how much their stretch varies more, and by the
-//                                    square of the difference of the two R; so they count little
+//      a vertex here . . . . . these samples have more noise for it: by how much their stretch varies more, by the
+//                      square of the difference of the two R, and by the greater variance times the square of their
+//                      distance from the border over 0.2 m; so those beside the border count, and others hardly
 #pragma once
 
 #include <memory>
@@ -37,11 +38,12 @@ namespace helibore {
 
 class NearFar {
   public:
-    // The extra noise of samples from a depth on, square metres.
+    // The extra noise of samples from a depth on: square metres, and more by the square of the distance from the
+    // vertices' stretch.
     struct Excess {
-        double start, noise;
+        double start, noise, by_square;
     };
-    // `number`: which of the covariances it is. `excess`: of each stretch of the hole.
+    // `number`: which of the covariances it is. `excess`: of each stretch of the hole, of which it is one.
     NearFar(const Settings& settings, std::size_t number, std::vector<Excess> excess);
 
     // Memory of one worker.

@@ -135,8 +135,8 @@ class Settings(Declared, group="wall"):
         "Covariances of the stretches of a hole that changes along it, for 'near-and-far': for each the depth at which "
         "it begins and twelve values as of ``covariance``, of three terms, where the variance of the third may be 0, "
         "and the turn. A vertex has the covariance of its stretch, and ``covariance`` above the first. Samples of "
-        "other stretches have more noise for it: by how much they vary more, and by the square of the difference of "
-        "the two R. 'automatic' finds them. None: the hole is alike all along.",
+        "other stretches hardly count, but within 0.2 m of the border. 'automatic' finds them. None: the hole is alike "
+        "all along.",
     ] = None  # fmt: skip
     robust: Annotated[bool,
         "'near-and-far': a sample that lies beyond the radii of the eight samples beside it by more than 2.5 "

@@ -51,6 +51,8 @@ _LEAST_TURN = 120.0
 off centre that turns the other way, twice as fast."""
 _SHORT_AROUND, _LONG_AROUND = 3, 6
 """Indices in the setting: below 0 if the short term is smooth, and if the long term repeats after half a turn."""
+_BESIDE_BORDER = 0.2
+"""Metres: samples of another stretch count so far from it. Also in `near_far.cpp`."""
 _SEEDING = 100_000  # samples
 
 
@@ -227,12 +229,17 @@ def noise_at(settings: Settings, depth: Floats) -> Floats:
     return noise
 
 
-def excess_noise(stretches: Sequence[CovarianceFrom], number: int) -> Floats:
-    """Return for each stretch what its samples have more of noise for vertices of the stretch ``number``, m^2."""
+def excess_noise(stretches: Sequence[CovarianceFrom], number: int, depth: Floats) -> Floats:
+    """Return what samples at depths have more of noise for vertices of a stretch, m^2; `near_far.hpp` explains it."""
     own = stretches[number].covariance
-    levels = np.array([(of.radius, of.noise + of.variance) for _, of in stretches]).T
-    more: Floats = np.maximum(levels[1] - own.noise - own.variance, 0.0) + (levels[0] - own.radius) ** 2
-    return more
+    radius, variance = np.array([(of.radius, of.noise + of.variance) for _, of in stretches]).T
+    greater = np.maximum(variance, own.noise + own.variance)
+    more = greater - own.noise - own.variance + (radius - own.radius) ** 2
+    start, stop = [*(of.start for of in stretches), np.inf][number : number + 2]
+    away = np.maximum(np.maximum(start - depth, depth - stop), 0.0)
+    of_stretch = stretch_of(stretches, depth)
+    found: Floats = more[of_stretch] + greater[of_stretch] * (away / _BESIDE_BORDER) ** 2
+    return found
 
 
 def stretch_values(stretches: Sequence[CovarianceFrom]) -> tuple[float, ...] | None:

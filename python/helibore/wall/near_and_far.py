@@ -60,7 +60,7 @@ class Places:
         covariance = stretches[number].covariance
         self.samples, self.covariance, self.count = samples, covariance, count
         self.max_distance, self.robust = max_distance, robust
-        self._stretches, self._excess = stretches, excess_noise(stretches, number)
+        self._stretches, self._number = stretches, number
         self._long = covariance.terms[min(1, len(covariance.terms) - 1)]
         noisy = covariance.noise > _LARGE_NOISE * self._long.variance
         self._share, self._averaged = (SMALL_SHARE, _MOST_AVERAGED) if noisy else (SHARE, 1)
@@ -163,7 +163,7 @@ class Places:
     def between(self, of: Neighbours) -> Floats:
         """Return the covariances of neighbours with each other, noise included, (n, n) or (m, n, n)."""
         turn, along = (at[..., :, None] - at[..., None, :] for at in (of.toolface, of.depth))
-        noise = self.covariance.noise / of.members + self._excess[stretch_of(self._stretches, of.depth)]
+        noise = self.covariance.noise / of.members + excess_noise(self._stretches, self._number, of.depth)
         return self.covariance.at(turn, along) + noise[..., None] * np.eye(of.depth.shape[-1])
 
     def toward(self, of: Neighbours, place: tuple[Floats, Floats] | Place) -> Floats:

@@ -58,9 +58,11 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
         found = [np.zeros(len(wall)) for _ in range(4)]
         for number, (_, at, *values) in enumerate(stretches.tolist()):
             more = np.maximum(levels - levels[number], 0.0) + (stretches[:, 1] - at) ** 2
+            drift = np.maximum(levels, levels[number]) / 0.04
+            ends = np.append(starts, np.inf)[number : number + 2]
             kept = (at, *(values[:10] if values[7] else values[:7]), values[10])
             there = np.searchsorted(starts, wall.depth, side="right") - 1 == number
-            for to, of in zip(found, by_one(columns, wall, kept, (starts, more)), strict=True):
+            for to, of in zip(found, by_one(columns, wall, kept, (starts, more, drift, ends)), strict=True):
                 to[there] = of[there]
         return found[0], found[1], found[2], found[3]
     others = np.reshape(wall.settings.other_turns or (), (-1, 10)).tolist()
@@ -73,7 +75,7 @@ def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Float
 
 
 def by_one(
-    columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float], more: tuple[Floats, Floats] | None = None
+    columns: tuple[Floats, ...], wall: hb.Wall, given: Sequence[float], more: tuple[Floats, ...] | None = None
 ) -> tuple[Floats, ...]:
     """Radius, variance, scatter and number of neighbours of each vertex, from all samples, by the bordered system."""
     depth, toolface, radius = (column[np.lexsort(columns[1::-1])] for column in columns)
@@ -134,7 +136,9 @@ def by_one(
         first = np.array([of[0] for of in members])
         added = differing(first, angles, down, value, count == 1) if settings.robust else np.zeros(n)
         if more:
-            added += more[1][np.searchsorted(more[0], depth[first], side="right") - 1]
+            where = np.searchsorted(more[0], depth[first], side="right") - 1
+            away = np.maximum(np.maximum(more[3][0] - depth[first], depth[first] - more[3][1]), 0.0)
+            added += more[1][where] + more[2][where] * away**2
         matrix[:n, :n] = covariance(angles[:, None] - angles, down[:, None] - down) + np.diag(noise / count + added)
         toward = np.append(covariance(angles - angle, down - place), 1.0)
         weights = np.linalg.solve(matrix, toward)
