@@ -33,6 +33,7 @@ from helibore.wall.interpolation import canonical_order
 
 _DEVIATIONS = np.geomspace(1e-5, 3e-2, 60)  # metres
 _USUAL = 2.5e-4  # metres, 0.01 inch; the logarithm of the deviation has a normal prior about this, of deviation 1
+_APART = 4.0  # deviations of the biases of a half of the hole
 _SMALL = 0.1
 """Biases up to this share of the noise of a sample are none."""
 _WHOLE_HOLE = 1e6
@@ -140,9 +141,22 @@ def found_biases(
             break
     if found is None or np.abs(biases).max() <= _SMALL * np.sqrt(found.noise):
         return None
+    if _halves_differ(samples, arm, biases, found):
+        return None
     by_number = np.zeros(int(numbers[-1]) + 1)
     by_number[numbers] = np.round(biases, 7)
     return tuple(by_number.tolist())
+
+
+def _halves_differ(samples: Columns, arm: Integers, biases: Floats, covariance: Covariance) -> bool:
+    """Return whether a half of the hole does not have these biases: then the arms took a shape for biases."""
+    half = arm.size // 2
+    for rows in (slice(half), slice(half, None)):
+        own = find_biases((samples[0][rows], samples[1][rows], samples[2][rows]), arm[rows], covariance)
+        off = np.abs(own.biases - biases[: own.biases.size])
+        if np.any(off > _APART * np.sqrt(own.covariance.diagonal())):
+            return True
+    return False
 
 
 def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covariance, threads: int | None) -> Likely:

@@ -240,3 +240,18 @@ def test_arms_of_other_samples_and_one_arm_are_not_used() -> None:
     assert arm_numbers(samples, half) is None
     one = hb.Caliper(caliper.depth, caliper.toolface, caliper.radius, arm=np.ones(len(caliper), dtype=int))
     assert arm_numbers(samples, one) is None
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0], ids=["in half of the hole", "all along"])
+def test_what_only_half_of_the_hole_has_is_no_bias(share: float) -> None:
+    row = np.arange(0.0, 20.0, 0.1)
+    depth, arm = np.repeat(row, 6), np.tile(np.arange(6), row.size)
+    toolface = (60.0 * arm + 12.0 * depth) % 360.0
+    off = np.array([2e-3, -2e-3, 0.0, 0.0, 0.0, 0.0])[arm] * (depth < 20.0 * share)
+    radius = 0.109 + off + np.random.default_rng(1).normal(0, 3e-4, depth.size)
+    found = found_biases(hb.Caliper(depth, toolface, radius, arm=arm))
+    if share < 1.0:
+        assert found is None
+    else:
+        assert found is not None
+        np.testing.assert_allclose(found[:2], [2e-3, -2e-3], atol=2e-4)
