@@ -205,8 +205,15 @@ def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_me
         assert screen.inner_text("#rigWorstMore").startswith("1057.0–1058.0 m, in 7.0 m")
         where = ["Next going up: sticks in", "2.0 m", "bit, −6 mm at 1043.0 m; bit down in 7.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
-        scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011), (0.97, *far[:2], 0.0131)))
-        screen.until("document.getElementById('rigWorst').textContent === '−13 mm ±14'")  # no less than it is
+        sure = ((0.97, *near[:2], 0.0011), (0.97, *far[:2], 0.0131))
+        worst = "document.getElementById('rigWorst').textContent"
+        for _ in range(600):  # the feed judges these places, too, some time after it got them
+            scene.update_state(ahead_sure=sure)
+            screen.settle()
+            if screen.evaluate(worst) == "−13 mm ±14":  # no less than it is
+                break
+            time.sleep(0.1)
+        assert screen.evaluate(worst) == "−13 mm ±14"
         assert screen.evaluate(head) == "Worst going down: tight, 97 % sure"
         assert screen.inner_text("#rigWorstMore") == "1057.0–1058.0 m, in 7.0 m"
         scene.update_state(ahead_sure=((0.97, *near[:2], 0.0011, False), (0.97, *far[:2], 0.003, True)))
