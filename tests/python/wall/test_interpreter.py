@@ -26,6 +26,7 @@ begun.wait()
 time.sleep(0.2)
 """
 FORKS = """
+rebuild()  # imports what it needs: a fork during an import leaves its lock held in the child, whatever the package
 threading.Thread(target=busy, daemon=True).start()
 begun.wait()
 for _ in range(3):
