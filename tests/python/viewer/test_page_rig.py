@@ -559,11 +559,20 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         assert screen.inner_text("#rigWorstMore") == f"too little seen in 1020.0–{end:.1f} m", "but above it, it is"
         viewer.scene.update_state(ahead=ahead)
         screen.until(f"{digits}.startsWith('none')")
-        viewer.scene.update_state(hole_depth=1044.0)  # lifted for a connection
-        screen.until("window.__wall.app.holeDepth === 1044")
+        viewer.scene.update_state(hole_depth=1044.0, newest=time.time())  # lifted for a connection
+        screen.until("window.__wall.app.radii.hole === 1044")
         screen.settle()
         assert screen.evaluate(digits).startswith("none"), "the string has just drilled that hole"
-        viewer.scene.update_state(hole_depth=1050.0)  # lifted
+        viewer.scene.update_state(hole_depth=1045.5)
+        screen.evaluate("window.__wall.app.newest -= 30")
+        screen.settle()
+        assert screen.evaluate(digits).startswith("none"), "the tool sends seldom"
+        screen.evaluate(
+            "window.__wall.app.radii.hole = 1043"
+        )  # 2.5 m drilled since the last radius: the sensor is blind
+        viewer.scene.update_state(hole_depth=1045.6)
+        screen.until(f"{digits}.startsWith('not known')")  # the sensor is blind
+        viewer.scene.update_state(hole_depth=1050.0, newest=time.time())  # lifted
         screen.until(f"{digits}.startsWith('not known')")
         screen.close()
 

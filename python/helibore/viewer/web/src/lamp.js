@@ -8,7 +8,7 @@ import { zoneAt, zoneText } from './zones.js';
 
 const SLACK = 3; // seconds by which what a source sends may be later than usual
 const DRY = 10; // seconds without a radius, at least
-const DRILLED = 0.1; // metres of hole drilled meanwhile
+const [DRILLED, BLIND] = [0.1, 2]; // metres of hole drilled meanwhile: on bottom, and enough for the string to meet what nobody saw
 const CORRECTED = 1; // metres by which the depth of the hole changes at once if it is another depth of the same hole
 const LATE = 60; // seconds without a sample
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
@@ -59,9 +59,13 @@ const isLate = (of) => of.received !== null && silenceOf(of) > 2 * of.pace.usual
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - of.received);
 
-// Whether hole is drilled, and no radius has come for three times the usual time.
-/** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth'>} of */
-export const isDry = (of) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0)) && (of.holeDepth ?? NaN) - (of.radii?.hole ?? NaN) > DRILLED && (of.holeDepth ?? NaN) - (of.bitDepth ?? NaN) < LIFTED;
+// Whether hole was drilled, and no radius has come since, for three times the usual time.
+/** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth'>} of @param {number} [least] metres of hole */
+export const isDry = (of, least = (of.holeDepth ?? NaN) - (of.bitDepth ?? NaN) < LIFTED ? DRILLED : BLIND) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0)) && (of.holeDepth ?? NaN) - (of.radii?.hole ?? NaN) > least;
+
+// Whether so much hole was drilled without a radius that the string may meet what nobody saw.
+/** @param {App} app */
+export const isBlind = (app) => isDry(app, BLIND);
 
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;

@@ -1,6 +1,7 @@
 // The places that rig mode names: the worst hole ahead of the string, and what it meets next. Ahead is where the bit moves; if it rests,
 // either way.
 
+import { isBlind } from './lamp.js';
 import { INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 import { RECENT, recent } from './rig.js';
 import { turn } from './turns.js';
@@ -91,7 +92,7 @@ export function shareSeen({ store: { levels: [level] } }, top, bottom) {
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
-// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got.
+// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got, unless the sensor is blind.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
   const { ahead, string, bit, holeDepth } = app;
@@ -106,7 +107,7 @@ export function unseenAhead(app) {
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const [first, last] = app.store.span;
-  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND ? last : Infinity;
+  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND && !isBlind(app) ? last : Infinity;
   return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
