@@ -34,6 +34,7 @@ from helibore.wall.interpolation import canonical_order
 _DEVIATIONS = np.geomspace(1e-5, 3e-2, 60)  # metres
 _USUAL = 2.5e-4  # metres, 0.01 inch; the logarithm of the deviation has a normal prior about this, of deviation 1
 _APART = 4.0  # deviations of the biases of a half of the hole
+_JUDGED = 40  # samples of an arm in a half
 _SMALL = 0.1
 """Biases up to this share of the noise of a sample are none."""
 _WHOLE_HOLE = 1e6
@@ -149,12 +150,20 @@ def found_biases(
 
 
 def _halves_differ(samples: Columns, arm: Integers, biases: Floats, covariance: Covariance) -> bool:
-    """Return whether a half of the hole does not have these biases: then the arms took a shape for biases."""
+    """Return whether a half of the hole does not have these biases: then the arms took a shape for biases.
+
+    Compared are arms with some samples in the half, and apart from what the arms share: a mean of all is the hole's.
+    """
     half = arm.size // 2
     for rows in (slice(half), slice(half, None)):
         own = find_biases((samples[0][rows], samples[1][rows], samples[2][rows]), arm[rows], covariance)
-        off = np.abs(own.biases - biases[: own.biases.size])
-        if np.any(off > _APART * np.sqrt(own.covariance.diagonal())):
+        judged = np.flatnonzero(np.bincount(arm[rows]) >= _JUDGED)
+        if judged.size < 2:
+            continue
+        apart = np.eye(judged.size) - 1.0 / judged.size
+        off = apart @ (own.biases - biases[: own.biases.size])[judged]
+        variance = (apart @ own.covariance[np.ix_(judged, judged)] @ apart).diagonal()
+        if np.any(np.abs(off) > _APART * np.sqrt(variance)):
             return True
     return False
 
