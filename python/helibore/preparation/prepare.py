@@ -60,7 +60,7 @@ CAUSES = {
     "stuck": ("stuck",),
     "spikes": ("burst", "jump"),
 }
-"""For each step of the report, the causes of the suspect rows that it tells about."""
+"""For each step of the report, the causes of the suspect rows that it names."""
 
 APART = 0.0025
 """Metres; two calipers that look in the same direction must not differ by more than this in half of the rows."""

@@ -9,7 +9,7 @@ const HAND = 1.6; // pixels that a point is off in each direction, standard devi
 const AROUND = [0, 120, 240]; // where a plane that was drawn without points is held, as if it had been marked there
 const ALONE = 6; // so few points are off each by itself
 const MOST = { dip: 90, toolface: 180 };
-const FAR = 0.6; // radians: a dip that is no surer tells no direction
+const FAR = 0.6; // radians: a dip that is no surer shows no direction
 export const SURE = 1.96; // standard deviations of an interval of 95 %
 
 // Return the standard uncertainties, degrees, of the apparent dip and of the toolface where the plane is deepest; a pixel is so many
@@ -41,7 +41,7 @@ function worse(path, plane, points, each) {
   const off = points.map(({ toolface, depth }) => ({ toolface: ((toolface % 360) + 360) % 360, away: depth - planeDepth(path, plane, toolface) })).sort((a, b) => a.toolface - b.toolface).map(({ away }) => away);
   const n = off.length;
   const squares = off.reduce((sum, one) => sum + one * one, 0);
-  const misfit = (squares / (each.reduce((sum, one) => sum + one, 0) / n) + ALONE) / (n - 3 + ALONE); // that of few points tells little
+  const misfit = (squares / (each.reduce((sum, one) => sum + one, 0) / n) + ALONE) / (n - 3 + ALONE); // that of few points shows little
   if (n <= ALONE) return Math.max(1, misfit);
   let together = 1;
   for (let step = 1; step < n / 3; step++) {
