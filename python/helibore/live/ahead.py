@@ -11,16 +11,17 @@ whatever lies between the samples, also where a telemetry tool measured only a f
 scanned again and has changed, the samples of the last scan count. What is not
 said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
 
-Hole is tight where it is less than the bit by the limit, and where a body is surely too thick for it, if its radii have
-a sigma; there each body sticks that is likely too thick. The alarm has the limit alone.
+Hole is tight where it is less than the bit by the limit, and where a body is likely too thick for it; each place has
+the probability that the string sticks there. The alarm has the limit alone.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
@@ -37,12 +38,14 @@ from helibore.samples.helix import helix_of
 from helibore.settings.output_settings import RigidBody
 from helibore.wall.latest_pass import latest_pass
 from helibore.wall.state import WallState
+from helibore.wall.uncertainty import NORMAL_95
 from helibore.wall.wall_columns import NEAR_DEPTH
 
 MOVED = 0.25
 """Metres that the bit must move in one direction until what lies there is looked at."""
-RESTS = 10.0
-"""Seconds after which a bit that has not moved on counts as hanging: it may move either way."""
+RESTS, SLOWEST = 10.0, 90.0
+"""Seconds after which a bit that has not moved on counts as hanging: it may move either way. One that moves slowly
+hangs after twice the time that it took to move on, and at most SLOWEST."""
 MOVES_ON = 0.05
 """Metres that it moves on at least."""
 HEAVES, HEAVE = 30.0, 3.0
@@ -53,10 +56,8 @@ LEAST_GAP = 0.25
 """Metres of hole that must not be sampled on end, so that it counts as not seen."""
 APART = 0.25
 """Metres of hole between two tight places that count as two."""
-SURE = 3.0
-"""Standard uncertainties by which a body is too thick for hole that is less tight than the limit, and sticks there."""
-TRUENESS = 0.001
-"""Metres by which it is too thick at least: by so much the diameters of a caliper may be off all over."""
+TRUENESS = 0.0015
+"""Metres by which a body is too thick at least: by a millimetre the diameters of a caliper may be off all over."""
 FAR = 1e6
 """Metres above or below all hole."""
 SHARE, SHARE_AT_REST = 20.0, 100.0
@@ -68,7 +69,9 @@ class Place(NamedTuple):
 
     Ends and size are those of the whole place, whichever way the string comes from. ``sticks_at`` is the depth of the
     bit at which the string begins to stick there, by the body ``first``; ``tightest`` is that at which it is tightest,
-    and ``body`` the number of the body that sticks there. Metres.
+    and ``body`` the number of the body that sticks there. ``sure`` is the probability that it is too thick by TRUENESS,
+    ``within`` half the 95 % interval of what passes; None: not known. ``at_most``: less may pass, since too little is
+    sampled there. Metres.
     """
 
     top: float
@@ -78,6 +81,9 @@ class Place(NamedTuple):
     first: str
     tightest: float
     body: int
+    sure: float | None = None
+    within: float | None = None
+    at_most: bool = False
 
 
 @dataclass(frozen=True)
@@ -130,23 +136,19 @@ class Outlook:
         is run in, metres; None: nowhere.
     moving
         "up" or "down", if the bit is tripped; "" if it is on bottom, hangs or has not moved yet.
-    touching
-        For each body, the diameter with which it counts where it touches, metres.
     unseen
         For each body, the first hole that it would enter up, and down, of which no sensor has seen enough: its ends,
         metres, down to the bottom of the hole; None: all hole was seen up to where it sticks, or as far as is looked.
-    doubtful
-        For each body, the first place up, and down, in which it is likely too thick and not surely: the depth of the
-        bit at which it would stick, and the ends of the place, metres; None: there is none.
+    hangs
+        Whether the bit has not moved on for some time, or may only heave.
     """
 
     up: TightAhead | None
     down: TightAhead | None
     bodies: tuple[tuple[float | None, float | None], ...]
     moving: str
-    touching: tuple[float, ...]
     unseen: tuple[tuple[tuple[float, float] | None, ...], ...] = ()
-    doubtful: tuple[tuple[tuple[float, float, float] | None, ...], ...] = ()
+    hangs: bool = False
 
 
 class Ahead:
@@ -155,16 +157,16 @@ class Ahead:
     def __init__(self, live: Live) -> None:
         self._live = live
         self._from, self._heads_up = math.nan, True  # the farthest place on the way of the bit, and whether that is up
-        self._moves = self._on_bottom = False
+        self._moves = self._on_bottom = self._hangs = False
         self._turned, self._at = math.nan, 0  # where the bit turned round last, and when
         self._up = True  # whether it moves up, but for heave
         self._last, self._since = math.nan, 0  # where the bit moved on last, and when
+        self._took = 0  # nanoseconds that it took to move on
         self._newest, self._came = list[int](), 0  # the frame of the newest bit depth, and when it came
         self._due = 0.0
         self._known: object = None  # the wall of which `_bodies` are known, between the depths `_ends`
         self._ends = (math.nan, math.nan)
         self._string: tuple[RigidBody, ...] = ()
-        self._counts: tuple[float, ...] = ()
         self._bodies: list[_Tight] = []
         self._whole: list[Place] = []  # the tight places of all bodies, from above
         self._seen: list[tuple[float, float]] = []  # ends of the hole that is sampled, from above
@@ -192,12 +194,13 @@ class Ahead:
         else:
             self._follow(bit[0], now)
         if not abs(bit[0] - self._last) < MOVES_ON:
-            self._last, self._since = bit[0], now
+            self._took, self._last, self._since = now - self._since, bit[0], now
         newest = model.rig.tracks["bit_depth"].order[-1:].tolist()
         if newest != self._newest or model.rig.at_rest:
             self._newest, self._came = newest, now
-        hangs = self._came - self._since > RESTS * SECOND or self._heaves(bit[0], now)
-        moving = ("up" if self._up else "down") if self._moves and not hangs else ""
+        rests = min(max(RESTS * SECOND, 2 * self._took), SLOWEST * SECOND)
+        self._hangs = self._came - self._since > rests or self._heaves(bit[0], now)
+        moving = ("up" if self._up else "down") if self._moves and not self._hangs else ""
         if time.monotonic() >= self._due:
             began = time.thread_time()
             self._solve(bit[0], limits)
@@ -236,12 +239,11 @@ class Ahead:
             return
         more = min(ahead, MORE) if self._moves else 0.0
         self._known, self._string, self._ends = known, string, (top - more, bottom + more)
-        # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches. This is
-        # looked for up to half of the limit, since in a hole as wide as the bit noise of the samples is not tight.
+        # A body is tight where the hole is less than the bit by the limit. It begins to stick where it touches; in a
+        # hole as wide as the bit, noise of the samples is not tight.
         thin, touching = (
-            [max(0.0, min(body.diameter, size - least)) for body in string] for least in (tight, 0.5 * tight)
+            [max(0.0, min(body.diameter, size - least)) for body in string] for least in (tight, TRUENESS)
         )
-        self._counts = tuple(touching)
         stretch, sigma = self._stretch(*self._ends, length), None
         stretch = stretch and latest_pass(stretch, self._live.model.was_stuck)
         self._seen = [] if stretch is None else _seen(stretch)
@@ -250,9 +252,6 @@ class Ahead:
             stretch, sigma = _quiet(stretch)
         each = zip(range(len(string)), string, thin, touching, strict=True)
         self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, sigma, *of[1:])) for of in each]
-        found = [ends for of in self._bodies for ends in of.ends()]
-        for of in self._bodies:
-            of.stick_at(found)
         ways = (-FAR, False), (FAR, True)
         whole = [one for bit, up in ways for of in self._bodies for one in of.places(bit, 2 * FAR, up)]
         self._whole = _joined(whole, string)
@@ -260,12 +259,12 @@ class Ahead:
     def _narrow(
         self, stretch: WallState, sigma: Floats | None, body: RigidBody, *thin: float
     ) -> list[tuple[WallState, Floats | None]]:
-        """Return the parts of a stretch in which a body may stick, as it is or thinner, each with its sigma."""
+        """Return the parts of a stretch in which a body may stick, each with its sigma."""
         K, pitch = stretch.settings.sectors, stretch.settings.pitch
         turns = np.where(np.isnan(stretch.radius), np.inf, stretch.radius).reshape(-1, K).min(axis=1)
         reach = math.ceil(body.length / abs(pitch)) + 2  # turns beside which it may be
         parts = []
-        for first, stop in joined(runs_of(2.0 * turns < max(*thin, body.diameter - TRUENESS)), 2 * reach):
+        for first, stop in joined(runs_of(2.0 * turns < max(thin)), 2 * reach):
             top, bottom = sorted(stretch.start_depth + pitch * turn for turn in (first - reach, stop + reach))
             if part := self._stretch(top, bottom, body.length, stretch):
                 away = round((part.start_depth - stretch.start_depth) / pitch) * K
@@ -287,8 +286,7 @@ class Ahead:
         room = ahead, min(ahead, max(0.0, hole[0] - bit)) if hole else ahead  # the bit moves no deeper than the hole
         bottom = min(hole[0] if hole else bit + ahead, self._seen_to)
         unseen = tuple(self._unseen(body, bit, bottom, room, of) for body, of in zip(self._string, at, strict=True))
-        doubtful = tuple(tuple(of.doubt(bit, ahead, up) for up in (True, False)) for of in self._bodies)
-        return Outlook(*sides, at, moving, self._counts, unseen, doubtful)
+        return Outlook(*sides, at, moving, unseen, self._hangs)
 
     def _side(self, places: Sequence[Sequence[Place]], bit: float, up: bool) -> TightAhead | None:
         """Return what is tight above or below the bit, from the places of each body; None if nothing is.
@@ -300,7 +298,9 @@ class Ahead:
             if of := [one for one in met if one.top <= whole.bottom and whole.top <= one.bottom]:
                 first = (max if up else min)(of, key=lambda one: one.sticks_at)
                 worst = max(of, key=lambda one: string[one.body].diameter - one.passes)
-                found.append(Place(*whole[:3], first.sticks_at, first.first, worst.tightest, worst.body))
+                found.append(whole._replace(
+                    sticks_at=first.sticks_at, first=first.first, tightest=worst.tightest, body=worst.body
+                ))  # fmt: skip
         if not found:
             return None
         found.sort(key=lambda one: one.sticks_at, reverse=up)
@@ -352,7 +352,7 @@ class Ahead:
         start = start_depth + first * pitch
         return replace(
             wall,
-            settings=replace(wall.settings, start_depth=start),
+            settings=replace(wall.settings, start_depth=start, stop_depth=None, stop_vertex=K * (stop - first)),
             start_depth=start,
             radius=np.pad(wall.radius[own], lack, constant_values=np.nan),
             nearest=np.pad(wall.nearest[own], lack, constant_values=np.nan),
@@ -365,7 +365,7 @@ class Ahead:
 
 
 class _Tight:
-    """Where one body of the string sticks in parts of a wall: beyond the limit, surely, and from where it touches."""
+    """Where one body of the string sticks in parts of a wall: beyond the limit, and where it is likely too thick."""
 
     def __init__(
         self, number: int, body: RigidBody, thin: float, touching: float,
@@ -378,56 +378,50 @@ class _Tight:
             found = passage_of(part, [alone], upper_limit=True)
             passes = body.diameter + found.clearance
             beyond = passes < thin
-            lacks = found.clearance < -TRUENESS
-            tight = beyond.copy()
-            for first, stop in runs_of(lacks):
-                if not beyond[first:stop].any():
-                    tight[first:stop] = _is_sure(part, alone, sigma, found.depth[first:stop], passes[first:stop])
+            chances = [_NO_CHANCE] * passes.size
+            for first, stop in runs_of(passes < max(thin, touching)):
+                lower_end = float(found.depth[first + np.argmin(passes[first:stop])]) + body.length / 2
+                chance = _chance(part, alone, sigma, lower_end)
+                beyond[first:stop] = beyond[first:stop].any()
+                if beyond[first] or not chance.middle >= -TRUENESS:
+                    chances[first:stop] = [chance] * (stop - first)
+            tight = np.array([chance is not _NO_CHANCE for chance in chances])
             contact = found.contact_depth[:, 0]
-            self._parts.append(
-                _Part(found.depth, passes, contact, beyond, tight, lacks, passes < touching, found.height)
-            )
-
-    def ends(self) -> Iterator[tuple[float, float]]:
-        """Yield the ends of each tight place."""
-        for part in self._parts:
-            for first, stop in runs_of(part.tight):
-                yield float(part.contact[first:stop].min()), float(part.contact[first:stop].max())
-
-    def stick_at(self, places: Sequence[tuple[float, float]]) -> None:
-        """Let the body stick where it is likely too thick for hole that is tight for another body."""
-        for part in self._parts:
-            for first, stop in runs_of(part.lacks):
-                top, bottom = part.contact[first:stop].min(), part.contact[first:stop].max()
-                if any(top <= end and start <= bottom for start, end in places):
-                    part.tight[first:stop] = True
-
-    def doubt(self, bit: float, ahead: float, up: bool) -> tuple[float, float, float] | None:
-        """Return the first doubtful place within ``ahead`` on one side: the depth of the bit there, and its ends."""
-        found = (max if up else min)(self.places(bit, ahead, up, "doubtful"), key=lambda of: of.sticks_at, default=None)
-        return None if found is None else (found.sticks_at, found.top, found.bottom)
+            self._parts.append(_Part(found.depth, passes, contact, beyond, tight, chances, found.height))
 
     def places(self, bit: float, ahead: float, up: bool, of: str = "tight") -> list[Place]:
-        """Return the places within ``ahead`` on one side that are tight, or another of the masks of `_Part`."""
+        """Return the places within ``ahead`` on one side that are tight, or beyond the limit."""
         places = []
         for part in self._parts:
             lower = part.depth + self._to_bit
-            tight = getattr(part, of)
             travel = bit - lower if up else lower - bit
-            for rows in _runs(tight, part.touches, travel, -0.49 * part.height, ahead):
+            for rows in _runs(getattr(part, of), travel, -0.49 * part.height, ahead):
                 row = rows[np.argmin(part.passes[rows])]
                 touched = part.contact[rows]
                 ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
                 sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
                 passes = round(float(part.passes[row]), 4)
-                places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number))
+                chance = part.chances[row][1:]
+                places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number, *chance))
         return places
+
+
+class _Chance(NamedTuple):
+    """What a body clears, likely (NaN: not known); and `Place.sure`, `Place.within` and `Place.at_most`."""
+
+    middle: float
+    sure: float | None
+    within: float | None
+    at_most: bool
+
+
+_NO_CHANCE = _Chance(math.inf, None, None, False)
 
 
 class _Part(NamedTuple):
     """A body in a part of a wall, turn by turn: where its middle is, what passes there, and where that touches first.
 
-    ``beyond``: tight by the limit; ``tight``: it sticks; ``lacks``: likely too thick; ``touches``: may be too thick.
+    ``beyond``: of a place that is tight by the limit; ``tight``: of one where it sticks, with the chances of the place.
     """
 
     depth: Floats
@@ -435,40 +429,29 @@ class _Part(NamedTuple):
     contact: Floats
     beyond: Mask
     tight: Mask
-    lacks: Mask
-    touches: Mask
+    chances: list[_Chance]
     height: float
 
-    @property
-    def doubtful(self) -> Mask:
-        """Where the body is likely too thick, by more than noise, and does not surely stick."""
-        return self.lacks & self.touches & ~self.tight
+
+def _chance(part: WallState, body: RigidBody, sigma: Floats | None, lower_end: float) -> _Chance:
+    """Return how sure it is that a body sticks with its lower end at a depth."""
+    found = hanging_at(part, [body], lower_end, part.sampled, sigma)
+    if found is None or not math.isfinite(found.low):
+        return _Chance(math.nan, None, None, found is not None and found.at_most)
+    middle, deviation = 0.5 * (found.low + found.high), max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
+    sure = round(NormalDist(middle, deviation).cdf(-TRUENESS), 3)
+    return _Chance(middle, sure, round(NORMAL_95 * deviation, 4), found.at_most)
 
 
-def _is_sure(part: WallState, body: RigidBody, sigma: Floats | None, depth: Floats, passes: Floats) -> bool:
-    """Return whether a body surely sticks at the tightest of some depths of its middle."""
-    lower_end = float(depth[np.argmin(passes)]) + body.length / 2
-    found = None if sigma is None else hanging_at(part, [body], lower_end, part.sampled, sigma)
-    return found is not None and found.at_sigma(SURE) < -TRUENESS
-
-
-def _runs(tight: Mask, touches: Mask, travel: Floats, least: float, most: float) -> list[Integers]:
+def _runs(tight: Mask, travel: Floats, least: float, most: float) -> list[Integers]:
     """Return the rows of each tight stretch on the way, from what the body meets first."""
     order = np.argsort(travel, kind="stable")
     order = order[(travel[order] >= least) & (travel[order] <= most)]
-    runs, end = [], 0
-    for first, stop in runs_of(tight[order]):
-        while first > end and touches[order[first - 1]]:
-            first -= 1
-        runs.append(order[first:stop])
-        end = stop
-    return runs
+    return [order[first:stop] for first, stop in runs_of(tight[order])]
 
 
 def _quiet(stretch: WallState) -> tuple[WallState, Floats | None]:
     """Return a stretch without the noise of its radii, as far as their uncertainty is known, and what is left of it."""
-    if not stretch.sums:
-        return stretch, None
     try:
         sigma = stretch.sigma
     except InputError:  # too few samples

@@ -222,7 +222,7 @@ class Feed:
     def _run_zones(self) -> None:
         zones_due = string_due = hang_due = 0.0
         stale = False  # the clearance of the string at all depths is that of an earlier wall
-        hung: object = None  # the wall, and where the string and the tight places were, when its clearance was found
+        hung: object = None  # the wall, and where the string was, when its clearance was found
         while True:
             self._grown.wait(STRING_SECONDS if self._string else None)
             if self._closed.is_set():
@@ -234,10 +234,9 @@ class Feed:
                 stale = True
                 zones_due = time.monotonic() + max(ZONES_SECONDS, SHARE * (time.thread_time() - began))
             began = time.thread_time()
-            here = id(self._measured), round(self.scene.state.bit_depth, 2), self._places_ahead()
+            here = id(self._measured), round(self.scene.state.bit_depth, 2)
             if here != hung and time.monotonic() >= hang_due:
                 self.find_clearance_of_bodies()
-                self.find_chances_ahead()
                 hung, hang_due = here, time.monotonic() + STRING_SHARE * (time.thread_time() - began)
             began = time.thread_time()
             if stale and time.monotonic() >= string_due:
@@ -435,34 +434,6 @@ class Feed:
         size = {"clearance": found.clearance, "low": found.low, "high": found.high, "depth": found.depth}
         numbers = {name: round(value, 5) if math.isfinite(value) else None for name, value in size.items()}
         return {**name, **numbers, "at_most": found.at_most, "short": round(short, 2)}
-
-    def find_chances_ahead(self) -> None:
-        """Set how sure the tight places above and below the bit are: `SceneState.ahead_sure`."""
-        if not self._string or self._shape.basis != "azimuthal" or self.scene.state.ahead is None:
-            return
-        chances = tuple(map(self._chance, self._places_ahead()))
-        if chances != self.scene.state.ahead_sure:
-            self.scene.update_state(ahead_sure=chances)
-
-    def _places_ahead(self) -> tuple[tuple[Any, ...], ...]:
-        """Return the tight places above and below the bit, each once."""
-        ahead = self.scene.state.ahead or {}
-        sides = [side for way in ("up", "down") if (side := ahead.get(way))]
-        return tuple(dict.fromkeys(tuple(place) for side in sides for place in side["places"]))
-
-    def _chance(self, place: Sequence[Any]) -> tuple[float, float, float, float, bool] | None:
-        """Return how sure it is that the string sticks at a `Place`, its ends, and half the interval of its size.
-
-        Last, whether the size is what passes at most, because too little is sampled there.
-        """
-        top, bottom, *_, lower_end, number = place
-        body = self._string[number]
-        found = self._clearance(lower_end, body)
-        if found is None or not math.isfinite(found.low):
-            return None
-        deviation = max((found.high - found.low) / (2 * NORMAL_95), 1e-6)
-        chance = NormalDist(0.5 * (found.low + found.high), deviation).cdf(0.0)
-        return round(chance, 3), top, bottom, round(NORMAL_95 * deviation, 4), found.at_most
 
     def _clearance(self, lower_end: float, body: RigidBody) -> Hanging | None:
         """Return the clearance of a body where the string's lower end is at a depth; None: not known."""

@@ -194,9 +194,6 @@ class RunState:
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.
     ahead: Mapping[str, Any] | None = None
-    # Of each tight place above and below: the probability that the string sticks there, the ends of the place, by which
-    # a page knows it, half the 95 % interval of what passes, and whether it passes at most; None: not known.
-    ahead_sure: tuple[tuple[float, float, float, float, bool] | None, ...] = ()
 
 
 class History:

@@ -51,9 +51,9 @@ export class Pace {
   }
 }
 
-// Whether a source has sent nothing for twice the usual time.
+// Whether a source has sent nothing for twice the usual time, or for long on a page that does not know this time yet.
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite' | 'pace'>} of */
-const isLate = (of) => of.received !== null && silenceOf(of) > 2 * of.pace.usual + SLACK;
+const isLate = (of) => of.received !== null && silenceOf(of) > 2 * (of.pace.usual || DRY / 3) + SLACK;
 
 // Return the seconds since the last bit depth or, without one, since a source sent anything; NaN if it is not known.
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
@@ -85,7 +85,7 @@ export function doubtOf(app) {
 // Whether numbers that the rig sends may be old: the server is away, or the rig is silent, by the page's limit, for three times the
 // usual time or, if it is late, by the limit of its configuration. A tool is silent while the string is tripped, which makes no number of the rig old.
 /** @param {App} app */
-export const isStale = (app) => Boolean(doubtOf(app)) || !isServed(app) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * app.pace.usual) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
+export const isStale = (app) => Boolean(doubtOf(app)) || !isServed(app) || isSilent(app) || silenceOf(app) > Math.max(DRY, 3 * (app.pace.usual || 0)) + SLACK || (isLate(app) && (app.lost.length > 0 || app.alarms.feed.some((one) => NO_DATA.test(one))));
 
 // Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
@@ -115,7 +115,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const silent = { received, newest, lastWrite, pace };
   const old = !ended && seconds > LATE;
   const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth });
-  const rests = ahead && !ahead.moving && (holeDepth ?? NaN) - (bitDepth ?? NaN) > LIFTED; // then no radius is due
+  const rests = ahead?.hangs && (holeDepth ?? NaN) - (bitDepth ?? NaN) > LIFTED; // then no radius is due
   const drilled = isDead ? `no radius for ${showAge(seconds)}, ${showDepth((holeDepth ?? NaN) - (radii.hole ?? NaN), view.units, 1)} drilled` : '';
   const lastRadius = drilled || (old && !isSilent(silent) ? `${rests ? 'at rest, ' : ''}last radius ${showAge(seconds)} old` : '');
   const parts = [];

@@ -63,8 +63,6 @@ export class App {
   channels = 0; // version of the picture of the rig's channels; 0: there are none
   /** @type {Outlook | null} */
   ahead = null; // what is tight above and below the bit
-  /** @type {Chance[]} */
-  aheadSure = []; // how sure the nearest tight place above is, and that below
   prints = false; // whether the server prints sections
   meshes = false; // whether it writes meshes
   /** @type {number | null} */
@@ -218,8 +216,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, ahead_sure: aheadSure = [], zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, aheadSure, zonesTo, limits, apart });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo, limits, apart });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew

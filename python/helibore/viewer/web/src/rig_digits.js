@@ -5,7 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
 import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { doubtsAhead, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { BY, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -21,6 +21,7 @@ const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothin
 /** @param {App} app */
 const noBit = (app) => doubtOf(app) || 'no new bit depth';
 const MAY = 'may stick';
+const TRUENESS = 0.0015; // metres by which a body sticks at least, as on the server
 const NAMED = 3; // tight places of one text
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
@@ -57,7 +58,7 @@ export function writeDigits(app) {
   const trueDepth = Number.isFinite(tvd) ? `TVD ${showDepth(tvd, units, 1)}` : whyNot ? `TVD: ${whyNot}` : '';
   const off = bit === null || hole === null ? NaN : hole - bit;
   const lifted = off > LIFTED && `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}`;
-  const moves = isStale(app) ? '' : ahead?.moving ? `, going ${ahead.moving}` : off <= LIFTED ? ', on bottom' : lifted && ahead ? ', at rest' : '';
+  const moves = isStale(app) ? '' : ahead?.moving ? `, going ${ahead.moving}` : off <= LIFTED ? ', on bottom' : lifted && ahead?.hangs ? ', at rest' : '';
   cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : lifted || trueDepth);
   writeData(app);
   writeWorst(app);
@@ -127,21 +128,19 @@ function writeWorst(app) {
     const [top, bottom] = reach(app);
     const end = Math.min(store.span[1], bottom);
     const [unseen] = unseenAhead(app);
-    const [doubt] = stale ? [] : doubtsAhead(app);
-    const last = name ? ['not sure', `tight at ${name}`] : doubt ? ['not sure', `may be tight in ${showSpan(doubt.start, doubt.stop, units)}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
+    const last = name ? ['not sure', `tight at ${name}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     const far = stale || digits === 'looking' ? undefined : tightBeyond(app);
     const coming = (digits === 'not known' && !stale && unseen) || far;
     mark(digits === 'none' ? '' : 'unknown', name ? 'new' : coming && coming === unseen ? 'unknown' : '');
     cell('rigWorst', `Worst ${ahead?.moving ? `going ${ahead.moving}` : 'place'}${digits === 'none' ? limitOf(app) : ''}`, digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
     if (name) return now();
-    if (doubt && digits === 'not sure') return cell('rigWhere', `Next going ${doubt.way}: may stick in`, ...distance(doubt.left, units, true), doubt.first);
     if (!coming) return cell('rigWhere', 'Hole size', ...holeSize(app));
     return cell('rigWhere', nextHead(coming), ...distance(coming.left, units), coming.first);
   }
   const { worst, next, sticks, tight, most } = found;
-  const isFast = name || (!stale && (sticks || next.zone?.kind === 'key seat') && ahead?.moving);
-  mark(holds(worst) ? 'new' : '', isFast ? 'new' : !stale && kindOf(next) === UNSEEN ? 'unknown' : '');
+  const isFast = name || (!stale && ((sticks && !sticks.may) || next.zone?.kind === 'key seat') && ahead?.moving);
+  mark(holds(worst) ? 'new' : worst.may ? 'unknown' : '', isFast ? 'new' : !stale && (next.may || kindOf(next) === UNSEEN) ? 'unknown' : '');
   /** @param {FirstPlace} of */
   const size = ({ measure }) => showSize(measure, units);
   /** @param {FirstPlace} of */
@@ -173,8 +172,8 @@ const beside = (place) => (place.zone && !holds(place) ? 'here' : 'now');
 
 // Return the limit of "none": hole that is under bit size by more would be named, with what the size is sure to at least.
 /** @param {App} app */
-function limitOf({ view: { units }, limits, ahead, store: { bitRadius }, string }) {
-  const least = Math.max(limits[2], ahead ? 4 * bitRadius - 2 * Math.max(...ahead.touching) : 0);
+function limitOf({ view: { units }, limits, ahead, string }) {
+  const least = ahead ? TRUENESS : limits[2];
   const halves = (string?.hanging ?? []).map(({ low, high }) => (high ?? NaN) / 2 - (low ?? NaN) / 2).filter((half) => half >= 0);
   return ` beyond ${intervalOf(least + (halves.length ? Math.min(...halves) : 0), units).replace('±', '−')} ${LENGTHS[units].unit}`;
 }
@@ -184,15 +183,11 @@ const kindOf = ({ tight, zone }) => (tight ? 'tight' : zone?.kind ?? UNSEEN);
 
 // Return the line above the distance of the next place.
 /** @param {FirstPlace} of @param {boolean} [may] */
-const nextHead = (of, may = false) => `Next${of.way && ` going ${of.way}`}: ${of.tight ? 'sticks' : kindOf(of)}${of.left <= NOW && !may ? '' : ' in'}`;
+const nextHead = (of, may = false) => `Next${of.way && ` going ${of.way}`}: ${of.tight ? (of.may ? MAY : 'sticks') : kindOf(of)}${of.left <= NOW && !may ? '' : ' in'}`;
 
 // Whether a body is as wide as the bit, so that hole of bit size is not tight for it.
 /** @param {RigidBody} body @param {Store} store */
 const isBit = ([diameter], { bitRadius }) => diameter >= 2 * bitRadius;
-
-// Return by how much a body may be too thick for the hole and not count as tight there.
-/** @param {{ string: RigidString, store: Store, ahead: Outlook | null }} of @param {number} i */
-const spareOf = ({ string, store, ahead }, i) => (ahead ? string.bodies[i][0] - ahead.touching[i] : isBit(string.bodies[i], store) ? Infinity : 0);
 
 // Return the string as it hangs, with the body that sticks or, if none does, has the least room; the bit has none in its own hole.
 /** @param {App} app @param {number} bottom @returns {Hung | null} */
@@ -203,7 +198,7 @@ export function hungInRig(app, bottom) {
   if (isStale(app)) return unknown;
   const known = (string.hanging ?? []).map((one, body) => ({ ...one, body, sticks: sticksNow(app, body), position: string.bodies[body][2], room: roomOf(one) })).filter(({ room, short, sticks, position }) => room <= WIDE && !(Number(short) > NOW) && (sticks || position > 0));
   const [least] = known.sort((a, b) => Number(b.sticks) - Number(a.sticks) || a.room - b.room || a.position - b.position);
-  return least ? { ...unknown, high: least.sticks ? -1 : NaN, tightest: least.depth ?? NaN, body: least.body, text: showSize(least.room, units) } : unknown;
+  return least ? { ...unknown, high: least.sticks ? -1 : NaN, tightest: least.depth ?? NaN, body: least.body, text: `${least.at_most ? '≤' : ''}${showSize(least.room, units)}` } : unknown;
 }
 
 // Return what a body clears or, if that is a bound, clears at most.
@@ -213,10 +208,8 @@ const roomOf = ({ clearance = NaN, high, at_most: most }) => (most ? high : null
 // Whether a body of the string sticks where it hangs now, and where it touches; hole that no sensor has passed is not known.
 /** @param {App} app @param {number} i */
 function sticksNow(app, i) {
-  const { string } = app;
-  const { clearance = NaN, high, short = 0 } = string?.hanging?.[i] ?? {};
-  const spare = string ? spareOf(/** @type {any} */ (app), i) : 0; // by which it may be too thick and not count as tight
-  return isFound(app) && !(short > NOW) && clearance + spare < 0 && !((high ?? NaN) + spare >= 0);
+  const { clearance = NaN, high, short = 0 } = app.string?.hanging?.[i] ?? {};
+  return isFound(app) && !(short > NOW) && (high ?? clearance) < -TRUENESS;
 }
 
 // Whether the server has found what the bodies clear where they hang now.
@@ -227,7 +220,7 @@ const isFound = ({ bit, string }) => Math.abs((bit ?? NaN) - (string?.bit ?? bit
 /** @param {App} app @param {number} i */
 function isUnsure(app, i) {
   const { high, short = 0 } = app.string?.hanging?.[i] ?? {};
-  return !(short > NOW) && (high ?? NaN) + spareOf(/** @type {any} */ (app), i) >= 0;
+  return !(short > NOW) && (high ?? NaN) >= -TRUENESS;
 }
 
 // Return half the interval of a size, behind the number; no less than it is.
@@ -248,19 +241,17 @@ const distance = (metres, units, unsure = false) => (metres > NOW || (unsure && 
 function wayOf(app, i, side) {
   const { view: { units }, string, ahead, bit, zones } = app;
   const { bodies } = /** @type {RigidString} */ (string);
-  const [at, missed, doubt] = [ahead?.bodies[i]?.[side], ahead?.unseen?.[i]?.[side], ahead?.doubtful?.[i]?.[side]];
+  const [at, missed] = [ahead?.bodies[i]?.[side], ahead?.unseen?.[i]?.[side]];
   /** @param {Pair} ends */
   const left = (ends) => leftTo(bit, bodies[i], WAYS[side], ends);
-  /** @param {number} depth */
-  const way = (depth) => ((bit ?? NaN) - depth) * (side ? -1 : 1);
-  const sticks = typeof at === 'number' ? way(at) : Infinity;
+  const sticks = typeof at === 'number' ? ((bit ?? NaN) - at) * (side ? -1 : 1) : Infinity;
+  const may = tightOn(app, WAYS[side]).some(({ start, stop, may: unsure }) => unsure && leftTo(at ?? NaN, bodies[i], WAYS[side], [start, stop]) < BY);
   const seat = Math.min(...zones.filter(({ kind }) => kind === 'key seat').map(({ start, stop }) => left([start, stop])).filter((far) => far < RECENT));
   const far = Math.min(sticks, seat);
   const isHidden = missed && !(left(missed) > far);
-  if (far === Infinity && doubt && !(missed && left(missed) < way(doubt[0]))) return [...distance(way(doubt[0]), units, true), MAY];
   if (far === Infinity) return missed ? ['–', '', `not known ${[...new Set(missed.map((end) => depthNumber(end, units, 0)))].join('–')}`] : ['none', '', ''];
   const [digits, unit] = distance(far, units, sticks <= seat && isUnsure(app, i));
-  return [`${isHidden && unit ? '≤' : ''}${digits}`, unit, seat < sticks ? 'key seat' : ''];
+  return [`${isHidden && unit ? '≤' : ''}${digits}`, unit, seat < sticks ? 'key seat' : may ? MAY : ''];
 }
 
 // Return the number of the stabiliser next above the bit; -1 if there is none.
@@ -278,13 +269,14 @@ function rowOf(app, i) {
   const clearance = !known || (most && bound > WIDE) ? NaN : bound;
   const own = isBit(bodies[i], store); // a bit always touches the hole that it drilled
   const isStuck = sticksNow(app, i);
-  const note = !known ? 'looking' : Number.isNaN(clearance) ? 'not measured' : most && high !== null ? 'at most' : intervalOf((high ?? NaN) / 2 - (low ?? NaN) / 2, units);
+  const note = !known ? 'looking' : Number.isNaN(clearance) ? 'not measured' : most ? 'at most' : intervalOf((high ?? NaN) / 2 - (low ?? NaN) / 2, units);
   const ways = [0, 1].map((side) => {
     if (!ahead || (side && own && hole !== null && bit !== null && hole - bit < LIFTED)) return ['–', '', ''];
     return isStuck ? ['now', '', ''] : wayOf(app, i, side); // what lies ahead is looked for less often than what hangs here
   });
   const state = isStuck || ways.some(([digits], side) => digits === 'now' && ahead?.moving === WAYS[side]) ? 'new' : known && !own && doesNotPass({ clearance: bound, high }) ? 'zone' : '';
-  return { state, name, values: [[...parts(showSize(clearance, units)), note], ...ways] };
+  const [digits, unit] = parts(showSize(clearance, units));
+  return { state, name, values: [[note === 'at most' ? `≤${digits}` : digits, unit, note], ...ways] };
 }
 
 // Write a row for each of the widest bodies beside measured hole, for the stabiliser next above the bit, for that with the least room, and for the body that sticks next on each way, in the order in which they
@@ -296,17 +288,16 @@ function writeBodies(app) {
   const stale = isStale(app);
   const tight = WAYS.flatMap((way) => tightOn(app, way).slice(0, 1));
   const near = nextToBit(bodies, store);
-  const [unseen] = unseenAhead(app);
+  const own = stabilisers(bodies, store);
   const least = hungInRig(app, NaN)?.body; // the picture names it
-  const wide = bodies.map((_, i) => i).filter((i) => i === near || i === least || widest(bodies).includes(i) || hanging[i]?.name === unseen?.first || tight.some(({ first }) => hanging[i]?.name === first) || sticksNow(app, i)).sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const wide = bodies.map((_, i) => i).filter((i) => own.includes(i) || i === least || widest(bodies).includes(i) || tight.some(({ first }) => hanging[i]?.name === first) || sticksNow(app, i)).sort((a, b) => bodies[b][2] - bodies[a][2]);
   /** @param {number} i */
   const isMeasured = (i) => !hanging.length || (typeof hanging[i]?.clearance === 'number' && !((hanging[i].short ?? 0) > NOW));
-  const unmeasured = wide.filter((i) => !isMeasured(i));
-  const blind = [...new Set([...unmeasured, ...stabilisers(bodies, store).filter((i) => !isMeasured(i))])].sort((a, b) => bodies[b][2] - bodies[a][2]);
+  const blind = wide.filter((i) => !isMeasured(i));
   /** @param {number} i */
   const whereIs = (i) => `${depthNumber((bit ?? NaN) - bodies[i][2] - bodies[i][1] / 2, units, 0)} ${depthUnit(units)} (${hanging[i]?.name ?? 'string'})`;
   const others = bodies.map((_, i) => i).filter(isMeasured).sort((a, b) => bodies[b][0] - bodies[a][0]).slice(0, 1);
-  const shown = unmeasured.length < wide.length ? wide.filter(isMeasured) : others;
+  const shown = blind.length < wide.length ? wide.filter(isMeasured) : others;
   const rows = stale ? [] : shown.map((i) => ({ ...rowOf(app, i), tag: i === near ? 'at bit' : '' }));
   const lacks = stale ? `Clearances not known: ${noBit(app)}` : blind.length ? `Hole not measured at ${blind.map(whereIs).join(', ')}` : '';
   const text = JSON.stringify([rows, lacks, ahead?.moving]);
@@ -318,8 +309,9 @@ function writeBodies(app) {
   const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
   const heads = ['', 'Clearance now', ...WAYS.map((way) => `${way}: sticks in`)].map((one) => make('h2', one, WAYS.some((way) => one.startsWith(way) && (ahead?.moving || way) === way) ? 'on' : '')); // at rest, both ways
   at.replaceChildren(...(rows.length ? heads : []), ...rows.flatMap(({ state, name, tag, values }) => {
-    const first = make('p', name, `${state} name`);
-    if (tag) first.append(make('small', tag, 'note'));
+    const [first, whole] = [make('p', '', `${state} name`), make('span', name)];
+    if (tag) whole.append(make('small', tag, 'note'));
+    first.append(whole);
     return [first, ...values.map(([digits, unit, note]) => {
       const value = make('p', digits, `${state} size${('none –'.includes(digits) && !note) || note === MAY || digits.startsWith('≤') ? ' soft' : ''}`);
       if (unit) value.append(make('small', ` ${unit}`));
@@ -327,12 +319,12 @@ function writeBodies(app) {
       return value;
     })];
   }), make('p', lacks, 'lacks'));
-  fit(/** @type {HTMLElement} */ (at.lastChild));
+  for (const one of at.querySelectorAll('.name span, .lacks')) fit(/** @type {HTMLElement} */ (one));
 }
 
-// Return the places above and below the bit in which the string sticks, each once, the tightest first.
+// Return the places above and below the bit in which the string surely sticks, each once, the tightest first.
 /** @param {App} app @returns {FirstPlace[]} */
-export const tightNow = (app) => (app.store ? WAYS.flatMap((way) => tightOn(app, way)) : []).sort((a, b) => a.measure - b.measure).filter((of, i, all) => !all.slice(0, i).some((other) => other.start < of.stop && of.start < other.stop));
+export const tightNow = (app) => (app.store ? WAYS.flatMap((way) => tightOn(app, way)) : []).filter(({ may }) => !may).sort((a, b) => a.measure - b.measure).filter((of, i, all) => !all.slice(0, i).some((other) => other.start < of.stop && of.start < other.stop));
 
 // Whether the user has silenced a place: what was there then is kept.
 /** @param {Alarms} alarms @param {{ start: number, stop: number }} of */

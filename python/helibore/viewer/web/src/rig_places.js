@@ -18,11 +18,12 @@ export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
 const STAND = 10; // metres off bottom up to which the string is in hole that it has just drilled
 export const LATE = 2; // metres of new wall that the server may not have searched yet
-const BY = 0.25; // metres from one turn that is looked at to the next
+export const BY = 0.25; // metres from one turn that is looked at to the next
+const SURE = 0.95; // where it is less likely that a body is too thick, it may stick
 const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
 export const HOLDS = ['undergauge', 'key seat']; // hole in which the string may stick
 /** @param {FirstPlace} place */
-export const holds = ({ tight, zone }) => tight || Boolean(zone && HOLDS.includes(zone.kind));
+export const holds = ({ tight, may, zone }) => (tight && !may) || Boolean(zone && HOLDS.includes(zone.kind));
 
 // Return the numbers of the widest bodies, in the order in which they hang.
 /** @param {RigidBody[]} bodies */
@@ -122,19 +123,6 @@ export function tightBeyond(app) {
   return found.sort((a, b) => a.left - b.left)[0];
 }
 
-// Return the places in which a body is likely too thick, and not surely, from what is met first.
-/** @param {App} app @returns {FirstPlace[]} */
-export function doubtsAhead(app) {
-  const { ahead, bit, string } = app;
-  const found = waysOf(app).flatMap((way) => (ahead?.doubtful ?? []).flatMap((of, i) => {
-    const place = of[way === 'up' ? 0 : 1];
-    if (!place) return [];
-    const [at, start, stop] = place;
-    return [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, left: Math.max(0, ((bit ?? NaN) - at) * (way === 'up' ? 1 : -1)), first: string?.hanging?.[i]?.name ?? 'string', way }];
-  }));
-  return found.sort((a, b) => a.left - b.left);
-}
-
 // Return how far the bit moves until a body meets a stretch of hole, metres; NaN if it is past it.
 /** @param {number | null} bit @param {RigidBody} body @param {Way} way @param {Pair} ends */
 export function leftTo(bit, [, length, position], way, [start, stop]) {
@@ -158,11 +146,10 @@ export function meeting(app, { start, stop }) {
 
 // Return the tight places of one way, the nearest first.
 /** @param {App} app @param {Way} way @returns {FirstPlace[]} */
-export const tightOn = ({ zones, ahead, aheadSure, store, bit }, way) => (ahead?.[way]?.places ?? []).map(([start, stop, passes, sticksAt, first]) => {
+export const tightOn = ({ zones, ahead, store, bit }, way) => (ahead?.[way]?.places ?? []).map(([start, stop, passes, sticksAt, first, , , sure, within, most]) => {
   const zone = worstOf(zones.filter(({ kind }) => kind === 'undergauge'), [start, stop]);
-  const [sure = NaN, , , within = NaN, most = false] = aheadSure.find((one) => one && one[1] <= stop && one[2] >= start) ?? [];
   const left = ((bit ?? NaN) - sticksAt) * (way === 'up' ? 1 : -1);
-  return { start, stop, measure: passes - 2 * store.bitRadius + (most ? within : 0), zone, sure, within, most, way, left, first, tight: true };
+  return { start, stop, measure: passes - 2 * store.bitRadius + (most ? within ?? 0 : 0), zone, sure: sure ?? NaN, may: (sure ?? 1) < SURE, within: within ?? NaN, most, way, left, first, tight: true };
 });
 
 // Whether undergauge hole within reach is no tight place: every body of the string passes it.

@@ -117,15 +117,14 @@ interface Handshake {
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
-type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number];
+type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number, sure?: number | null, within?: number | null, most?: boolean]; // how sure it is that the string sticks, half the interval of what passes, and whether it passes at most
 interface TightAhead { places: TightPlace[] } // from that which the string meets first
-interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; touching: number[]; unseen?: (Pair | null)[][]; doubtful?: ([at: number, start: number, stop: number] | null)[][] }
-type Chance = [sure: number, top: number, bottom: number, within?: number, most?: boolean] | null; // of the place between two depths; half the interval of what passes, and whether it passes at most
+interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; hangs?: boolean; unseen?: (Pair | null)[][] }
 type Way = 'up' | 'down';
 interface Meeting { left: number; first: string; way: Way }
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; within?: number; most?: boolean } // left: metres until `first` meets it
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; may?: boolean; within?: number; most?: boolean } // left: metres until `first` meets it
 interface State {
-  channels?: number; ahead?: Outlook | null; ahead_sure?: Chance[];
+  channels?: number; ahead?: Outlook | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; apart?: string; zones_to?: number | null; limits?: number[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null; units?: Units;
 }
