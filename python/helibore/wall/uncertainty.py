@@ -36,6 +36,10 @@ the variance is multiplied by the scatter at each vertex, so that sigma is large
 and small elsewhere; and a gap of the turn is measured within `Settings.gap_reach`, as by the other estimators, because
 an event between samples that are farther apart is seen by none.
 
+In other holes, what a shape changes along the hole grows with the shape: a breakout that is twice as deep is twice as
+uneven. Where the wall is farther from the radius of the covariance than its standard deviation (of the shape and such
+roughness), the variance is multiplied by the square of their ratio.
+
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 """
@@ -145,11 +149,14 @@ def _near_and_far_sigma(wall: WallColumns, samples: Columns, threads: int) -> Fl
     stretches = stretches_of(wall.settings)
     depth = whole_helix(wall).depth(np.arange(variance.size))
     of = stretch_of(stretches, depth)
-    share = _roughness(samples, wall.settings, stretches[0].covariance.radius)
-    variance += factor**2 * share * noise_at(wall.settings, depth)
+    rough = _roughness(samples, wall.settings, stretches[0].covariance.radius) * noise_at(wall.settings, depth)
+    variance += factor**2 * rough
     events = shows_events(samples, wall.settings, threads)
     if events:
         variance *= wall.sums[1]
+    else:
+        middle, shape = np.array([(each.radius, each.variance) for _, each in stretches])[of].T
+        variance *= np.maximum((wall.radius - middle) ** 2 / (shape + rough), 1.0)
     remaining = remaining_products(samples, wall.arms, wall.settings)
     if remaining is not None:
         arm, products = remaining

@@ -249,6 +249,23 @@ def test_roughness_that_the_covariance_takes_for_noise_is_in_the_interval_of_den
     assert np.median(wall.sigma) < 1e-4
 
 
+def test_c1_less_c2_of_a_breakout_that_changes_along_the_hole_is_within_its_interval() -> None:
+    """Three arms that turn by 12 degrees a metre; between them its depth is interpolated along the hole."""
+
+    def breakout(depth: Floats, toolface: Floats) -> Floats:
+        off = (toolface - 60.0 + 90.0) % 180.0 - 90.0
+        return np.asarray(0.109 + 0.016 * np.exp(-((off / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2)))
+
+    depth = np.repeat(np.arange(0.0, 20.0, 0.05), 3)
+    toolface = (12.0 * depth + np.tile(120.0 * np.arange(3), depth.size // 3)) % 360.0
+    radius = breakout(depth, toolface) + np.random.default_rng(1).normal(0, 5e-4, depth.size)
+    logs = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="automatic").logs(sigma=True)
+    truth = 2 * (breakout(logs.depth, np.full(logs.depth.size, 60.0)) - 0.109)
+    inside = (logs.depth > 0.5) & (logs.depth < 19.5)
+    held = np.abs(logs.c1 - logs.c2 - truth)[inside] <= 1.96 * logs.c1_c2_sigma[inside]
+    assert np.mean(held) > 0.9
+
+
 def test_missing_in_gaps_of_depth_and_turn() -> None:
     """Three metres without samples, and a quarter of the turn without samples below them."""
     full = caliper()
