@@ -320,7 +320,11 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         screen.until(f"{digits}.startsWith('−10 mm')")
         assert screen.evaluate(f"({CELL})('rigWhere')") == [*unseen, "bit; sticks in ≤18.0 m"], "before the tight place"
         assert screen.evaluate("document.getElementById('rigWhereCell').className") == "new", "it sticks on this way"
-        scene.update_state(bit_depth=1016.0)
+        up = {"places": ((1003.0, 1004.0, 0.206, 1004.3, "stabiliser", 1003.9, 1),)}
+        scene.update_state(ahead=ahead | {"unseen": gap, "up": up, "moving": ""})
+        other = "document.getElementById('rigWhereMore').textContent"
+        screen.until(f"{other} === 'bit; stabiliser sticks going up in 5.7 m'")  # unseen hole is nearer, below
+        scene.update_state(bit_depth=1016.0, ahead=ahead | {"unseen": gap, "down": down})
         screen.until("document.getElementById('rigWhere').textContent === 'now '")
         now = ["Next going down: unseen hole", "now ", "bit; sticks in ≤12.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == now, "the bit is in it"

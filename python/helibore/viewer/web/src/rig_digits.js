@@ -162,7 +162,7 @@ function writeWorst(app) {
   const left = (of) => distance(bit === null ? NaN : of.left, units, may(of));
   const [far, farUnit] = left(next);
   const where = next.tight ? `, ${size(next)} at ${showDepth(next.way === 'up' ? next.stop : next.start, units, 1)}` : `, ${showSpan(next.start, next.stop, units)}`;
-  const what = next === worst ? ', the worst place' : next.tight || !sticks ? where : `; ${sticks.first === first ? '' : `${sticks.first} `}sticks in ${bound}${left(sticks).join(' ').trim()}`;
+  const what = next === worst ? ', the worst place' : next.tight || !sticks ? where : `; ${sticks.first === first ? '' : `${sticks.first} `}${sticks.may ? MAY : 'sticks'}${sticks.way === next.way ? '' : ` going ${sticks.way}`} in ${bound}${left(sticks).join(' ').trim()}`;
   return cell('rigWhere', nextHead(next, may(next)), farUnit ? `${next.tight ? bound : ''}${far}` : far === 'now' ? beside(next) : far, farUnit, `${first}${what}${and(next.tight ? tight.find((of) => of.way !== next.way) : undefined)}`);
 }
 
