@@ -360,7 +360,7 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
     ahead |= {"unseen": ((None, None),) * 4}
     of = {"severity": 3.0, "confidence": 0.9, "measured": None}
     seat = of | {"kind": "key seat", "start": 1018.0, "stop": 1022.0, "measure": 0.012}
-    under = of | {"kind": "undergauge", "start": 1023.0, "stop": 1023.4, "measure": -0.008}
+    under = of | {"kind": "undergauge", "start": 1023.0, "stop": 1023.4, "measure": -0.001}
     with hb.view(MadeWall(20_000)) as viewer:
         state = {"bit_depth": 1028.0, "hole_depth": 1040.0, "newest": time.time(), "string": string, "ahead": ahead}
         viewer.scene.update_state(**state)
@@ -395,6 +395,12 @@ def test_rows_name_a_key_seat_the_stabiliser_at_the_bit_and_bound_what_passes_at
         screen.until("document.querySelector('#rigBodies').textContent.includes('not measured')")
         assert screen.evaluate(ROWS)[3][1:3] == ["not measured", "–"], "no sample is beside it"
         assert screen.inner_text("#alarmText") == "Key seat +12 mm, 1018.0–1022.0 m", "the string passes the other zone"
+        slim = [[0.2, 1.0, 20.0], [0.2, 1.0, 12.0], *bodies[2:]]  # bodies that pass the other zone meet it first
+        viewer.scene.update_state(
+            string=string | {"bodies": slim}, zones=(under | {"start": 1001.0, "stop": 1002.0, "measure": -0.008},)
+        )
+        screen.until("document.getElementById('rigWhereHead').textContent === 'Next going up: undergauge in'")
+        assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == ["25.7 m", "bit, the worst place"]
         screen.close()
 
 
@@ -833,8 +839,8 @@ def test_rig_mode_says_what_is_worst_and_where_if_nothing_is_tight_ahead(browser
         assert head == undergauge, "before the washout, which is larger"
         assert re.fullmatch(rf"−{-1000 * worst.measure:.0f} mm ±\d", digits)
         assert more == f"{worst.start:.1f}–{worst.stop:.1f} m, under bit size"
-        far = f"{end + 2.5 - 4.0 - worst.stop:.1f} m"  # from the upper end of the first body that meets it
-        where = ["Next going up: undergauge in", far, "stabiliser, the worst place"]
+        far = f"{end + 2.5 - 0.3 - worst.stop:.1f} m"  # from the upper end of the first body that is too thick for it
+        where = ["Next going up: undergauge in", far, "bit, the worst place"]
         assert screen.evaluate(f"({CELL})('rigWhere')") == where
         screen.until(f"({ROWS})[0][2] === '+17 mm'")
         assert [row[3:] for row in screen.evaluate(ROWS)] == [["–", "–"]], "nobody looks ahead"

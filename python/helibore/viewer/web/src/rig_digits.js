@@ -5,7 +5,7 @@ import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
 import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
-import { BY, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
+import { BY, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, TRUENESS, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, percent } from './zones.js';
@@ -21,7 +21,6 @@ const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothin
 /** @param {App} app */
 const noBit = (app) => doubtOf(app) || 'no new bit depth';
 const MAY = 'may stick';
-const TRUENESS = 0.0015; // metres by which a body sticks at least, as on the server
 const NAMED = 3; // tight places of one text
 const MARGIN = 40; // pixels of a cell that its texts leave free
 

@@ -19,6 +19,7 @@ const LEAST_UNSEEN = 0.5; // metres
 const STAND = 10; // metres off bottom up to which the string is in hole that it has just drilled
 export const LATE = 2; // metres of new wall that the server may not have searched yet
 export const BY = 0.25; // metres from one turn that is looked at to the next
+export const TRUENESS = 0.0015; // metres by which a body sticks at least, as on the server
 const SURE = 0.95; // where it is less likely that a body is too thick, it may stick
 const STABILISER = 0.9; // of the bit: a body that is wider may be held, and one above the bit counts as a stabiliser
 export const HOLDS = ['undergauge', 'key seat']; // hole in which the string may stick
@@ -131,15 +132,16 @@ export function leftTo(bit, [, length, position], way, [start, stop]) {
   return passed < 0 ? Math.max(0, left) : NaN;
 }
 
-// Return what the string meets a stretch of hole with first, bit or stabiliser, and how far the bit moves until then, on the shorter of the
-// ways it may take; null if all of them are past it.
-/** @param {App} app @param {{ start: number, stop: number }} stretch @returns {Meeting | null} */
-export function meeting(app, { start, stop }) {
+// Return what the string meets a stretch of hole with first, bit or stabiliser, of undergauge hole one that is too thick for it, and how
+// far the bit moves until then, on the shorter of the ways it may take; null if all of them are past it.
+/** @param {App} app @param {{ start: number, stop: number } | Zone} stretch @returns {Meeting | null} */
+export function meeting(app, stretch) {
   const { string, bit, store } = app;
+  const { start, stop } = stretch;
   const { bodies = [], hanging = [] } = string ?? {};
   const own = stabilisers(bodies, store);
   /** @type {[RigidBody, string][]} */
-  const all = own.length ? own.map((i) => [bodies[i], hanging[i]?.name ?? 'string']) : [[[0, 0, 0], 'bit']];
+  const all = own.length ? own.filter((i) => !passes(app, bodies[i], stretch)).map((i) => [bodies[i], hanging[i]?.name ?? 'string']) : [[[0, 0, 0], 'bit']];
   const met = waysOf(app).flatMap((way) => all.map(([body, first]) => ({ left: leftTo(bit, body, way, [start, stop]), first, way }))).filter(({ left }) => left >= 0);
   return met.sort((a, b) => a.left - b.left)[0] ?? null;
 }
@@ -152,12 +154,13 @@ export const tightOn = ({ zones, ahead, store, bit }, way) => (ahead?.[way]?.pla
   return { start, stop, measure: passes - 2 * store.bitRadius + (most ? within ?? 0 : 0), zone, sure: sure ?? NaN, may: (sure ?? 1) < SURE, within: within ?? NaN, most, way, left, first, tight: true };
 });
 
-// Whether undergauge hole within reach is no tight place: every body of the string passes it.
+// Whether a stretch is undergauge hole, and wide enough for a body.
+/** @param {App} app @param {RigidBody} body @param {{ start: number, stop: number } | Zone} stretch */
+const passes = ({ store }, [diameter], stretch) => 'kind' in stretch && stretch.kind === 'undergauge' && diameter < 2 * store.bitRadius + stretch.measure + TRUENESS;
+
+// Whether undergauge hole is no tight place: every body of the string passes it.
 /** @param {App} app @param {Zone} zone */
-export function isPassed(app, { kind, start, stop }) {
-  const [top, bottom] = reach(app);
-  return kind === 'undergauge' && Boolean(app.ahead && app.string) && start < bottom && stop > top && !WAYS.some((way) => tightOn(app, way).some((of) => of.start < stop && start < of.stop));
-}
+export const isPassed = (app, zone) => Boolean(app.string?.bodies.every((body) => passes(app, body, zone)));
 
 // Return the worst place ahead; the next one, by which body of the string ever: that may hold it, was not seen, or is the worst; and the tight
 // place that it meets next; null if nothing is ahead. Tight hole comes before the zones, and of them that which counts most. `most`: that body
