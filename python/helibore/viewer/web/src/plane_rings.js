@@ -16,27 +16,29 @@ const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // plac
 const STEP = 5; // degrees between two points of an edge
 const NO_DIP = [3, 3]; // dashes of a level ring
 
-// Return how far from the axis of a hole of radius 1 the disc of a plane ends, in the direction of a toolface: the disc is round.
-/** @param {Plane} plane @param {number} toolface @param {number} least */
-function reach({ a, b }, toolface, least) {
-  const [c, s] = [Math.cos((toolface * Math.PI) / 180), Math.sin((toolface * Math.PI) / 180)];
-  return Math.min(SIZE.most, least * Math.hypot(1, a, b)) / Math.hypot(1, a * c + b * s);
-}
-
-// Return north, east and down of the edge of a disc around a hole that is drawn with so many metres radius, and of its trace there,
-// between two toolfaces. Where the hole is wider than the disc (not `wide`), the disc has no edge outside it.
-/** @param {Plane} plane @param {number} radius @param {number[]} [ends] @param {number} [least] radii of the drawn hole */
-export function discOf(plane, radius, [from, to] = [0, 360], least = SIZE.least) {
-  const { a, b, c, frame: { centre, high, right, tangent } } = plane;
-  return Array.from({ length: Math.round((to - from) / STEP) + 1 }, (_, i) => {
-    const toolface = from + STEP * i;
-    const [x, y] = [Math.cos((toolface * Math.PI) / 180), Math.sin((toolface * Math.PI) / 180)];
-    /** @param {number} far @param {number} rise */
-    const at = (far, rise) => centre.map((place, j) => place + far * (x * high[j] + y * right[j]) + (c + rise * (a * x + b * y)) * tangent[j]);
-    const far = reach(plane, toolface, least);
-    return { edge: at(far * radius, far * radius), trace: at(radius, plane.radius), wide: far > 1 };
+// Return north, east and down of the edge of a disc around a hole that is drawn with so many metres radius, one point every STEP degrees
+// of the disc, each with its toolface in radians and whether it is outside that hole: a disc along the hole is inside it at its ends.
+/** @param {Plane} plane @param {number} radius @param {number} [least] radii of the drawn hole */
+export function discOf({ a, b, c, frame: { centre, high, right, tangent } }, radius, least = SIZE.least) {
+  const slope = Math.hypot(a, b);
+  const far = Math.min(SIZE.most, least * Math.hypot(1, slope));
+  const deepest = Math.atan2(b, a);
+  return Array.from({ length: 360 / STEP + 1 }, (_, i) => {
+    const angle = (STEP * i * Math.PI) / 180;
+    const [down, aside] = [(far * Math.cos(angle)) / Math.hypot(1, slope), far * Math.sin(angle)]; // across the hole
+    const toolface = deepest + Math.atan2(aside, down);
+    const out = Math.hypot(down, aside);
+    const edge = centre.map((place, j) => place + radius * out * (Math.cos(toolface) * high[j] + Math.sin(toolface) * right[j]) + (c + radius * down * slope) * tangent[j]);
+    return { edge, toolface, wide: out > 1 };
   });
 }
+
+// Return north, east and down of the trace of a plane on that hole, where the wall shows the plane, between two toolfaces.
+/** @param {Plane} plane @param {number} radius @param {[number, number]} [ends] */
+export const traceOf = ({ a, b, c, radius: own, frame: { centre, high, right, tangent } }, radius, [from, to] = [0, 360]) => Array.from({ length: Math.round((to - from) / STEP) + 1 }, (_, i) => {
+  const [x, y] = [Math.cos, Math.sin].map((part) => part(((from + STEP * i) * Math.PI) / 180));
+  return centre.map((place, j) => place + radius * (x * high[j] + y * right[j]) + (c + own * (a * x + b * y)) * tangent[j]);
+});
 
 // Return the nearest bed that was picked within SAME of the top of an interval.
 /** @param {Plane[]} kept @param {number} start */
@@ -95,8 +97,9 @@ export function drawDiscs(ink, look, planes, gpu) {
     const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.project(plane.frame, rect, plus(scaled(side, x), along, y * SIZE.most * radius)));
     /** @param {number[]} centre */
     const seen = (centre) => gpu.project({ centre }, rect);
-    const [back, face] = [front + 90, front - 90].map((from) => discOf(plane, radius, [from, from + 180]));
-    const rim = [...back, ...face].map(({ edge, trace, wide }) => (level ? seen(trace) : wide ? seen(edge) : null)).filter((at) => at !== null);
+    const trace = traceOf(plane, radius, [front - 90, front + 90]).map(seen);
+    const disc = level ? [] : discOf(plane, radius).map(({ edge, toolface, wide }) => ({ at: seen(edge), wide, facing: Math.cos(toolface - (front * Math.PI) / 180) > 0 }));
+    const rim = (level ? traceOf(plane, radius).map(seen) : disc.map(({ at, wide }) => (wide ? at : null))).filter((at) => at !== null);
     /** @param {(Pair | null)[]} points */
     const row = (points) => {
       ink.beginPath();
@@ -108,21 +111,16 @@ export function drawDiscs(ink, look, planes, gpu) {
     ink.rect(rect.left, rect.top, rect.width, rect.height);
     hole.forEach((at, i) => at && ink[i ? 'lineTo' : 'moveTo'](...at));
     ink.clip('evenodd'); // the hole hides what is behind it, and no disc veils the hole
-    if (!level) {
-      ink.beginPath();
-      for (const { edge, trace, wide } of [...back, ...face]) {
-        const at = seen(wide ? edge : trace);
-        if (at) ink.lineTo(...at);
-      }
-      ink.globalAlpha = 0.4;
-      ink.fillStyle = colour;
-      ink.fill();
-      ink.globalAlpha = 1;
-    }
-    if (!level) row(back.map(({ edge, wide }) => (wide ? seen(edge) : null)));
+    ink.beginPath();
+    for (const { at } of disc) if (at) ink.lineTo(...at);
+    ink.globalAlpha = 0.4;
+    ink.fillStyle = colour;
+    ink.fill();
+    ink.globalAlpha = 1;
+    row(disc.map(({ at, wide, facing }, i) => (wide && !(facing && disc[i - 1]?.facing) ? at : null)));
     ink.restore();
-    if (!level) row(face.map(({ edge, wide }) => (wide ? seen(edge) : null)));
-    row(face.map(({ trace }) => seen(trace)));
+    row(disc.map(({ at, wide, facing }) => (wide && facing ? at : null)));
+    row(trace);
     const [x, y] = gpu.project(plane.frame, rect) ?? [0, 0];
     const [left, low] = gpu.project(plane.frame, rect, gpu.aside(plane.frame, -radius)) ?? [x - 1, y];
     const away = Math.hypot(left - x, low - y);

@@ -238,20 +238,20 @@ export class Scene {
   // Return the disc of a plane, in the axes of the scene.
   /** @param {import('./well.js').Well} well @param {Plane} plane */
   disc({ store }, plane) {
-    return discOf(plane, store.bitRadius * this.wells.tube, undefined, WIDE).map(({ edge, trace, wide }) => ({ wide, edge: minus(eastNorthUp(edge), this.origin), trace: minus(eastNorthUp(trace), this.origin) }));
+    return discOf(plane, store.bitRadius * this.wells.tube, WIDE).map(({ edge, wide }) => ({ wide, edge: minus(eastNorthUp(edge), this.origin) }));
   }
 
   // Add a disc that one sees through, with its edge, or, for a top without a dip (`level`), a dashed ring.
   /** @param {import('./well.js').Well} well @param {Plane} plane @param {string} colour @param {boolean} level */
   ring(well, plane, colour, level) {
-    const points = this.disc(well, plane);
-    points.slice(1).forEach((next, i) => {
-      if (!next.wide || !points[i].wide || (level && Math.floor(i / 3) % 2)) return;
-      const [a, b] = [points[i], next];
-      const rim = [a, b].map(({ edge, trace }) => plus(edge, minus(trace, edge), Math.min(0.5, this.thin / length(minus(trace, edge)))));
-      this.areas.strip(rim, [a.edge, b.edge], colour, 0.9);
-      if (!level) this.areas.strip([a.trace, b.trace], rim, colour, 0.35);
-      else this.areas.strip([a.edge, b.edge], [a.edge, b.edge].map((point) => plus(point, [0, 0, -this.thin / this.tall])), colour, 0.9);
+    const middle = this.at(well, plane.depth);
+    const edges = this.disc(well, plane).map(({ edge }) => edge);
+    if (!level) this.areas.fan(middle, edges, colour, 0.35);
+    edges.slice(1).forEach((next, i) => {
+      if (level && Math.floor(i / 3) % 2) return;
+      const rim = [edges[i], next];
+      this.areas.strip(rim.map((edge) => plus(edge, minus(middle, edge), Math.min(0.5, this.thin / length(minus(middle, edge))))), rim, colour, 0.9);
+      if (level) this.areas.strip(rim, rim.map((point) => plus(point, [0, 0, -this.thin / this.tall])), colour, 0.9);
     });
   }
 

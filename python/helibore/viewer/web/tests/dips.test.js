@@ -6,7 +6,7 @@ import { anglesInWords, anglesOf, axisOf, fitPlane, levelPlane, planeDepth, plan
 import { bindKeys, bindTracks } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
-import { discOf, topInWords, topPlanes, topsOf } from '../src/plane_rings.js';
+import { discOf, topInWords, topPlanes, topsOf, traceOf } from '../src/plane_rings.js';
 import { openingOf } from '../src/opening.js';
 import { inWords } from '../src/pick_card.js';
 import { fromPlan, offPlan } from '../src/planned.js';
@@ -129,6 +129,8 @@ for (const [inclination, azimuth] of [[0.5, 30], [60, 70], [88, 250]]) {
         const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]].map((x, _, all) => (all[2] > 0 ? -x : x));
         near(Math.atan2(Math.hypot(normal[0], normal[1]), -normal[2]) / RAD, plane.dip, 1e-6, `dip at tube x ${tube}:`);
         near((Math.atan2(normal[1], normal[0]) / RAD + 360) % 360, plane.azimuth, 1e-6, `azimuth at tube x ${tube}:`);
+        const sides = edge.slice(1).map((point, i) => Math.hypot(...point.map((x, j) => x - edge[i][j])));
+        near(Math.max(...sides) / Math.min(...sides), 1, 1e-6, 'its edge is round however steep it is:');
         const far = edge.map((point) => Math.hypot(...point.map((x, i) => x - plane.frame.centre[i])) / (0.1 * tube));
         assert.ok(Math.max(...far) <= 6 && Math.max(...far) >= 1.4, `as large as the hole is drawn, ${Math.max(...far)}`);
       }
@@ -157,11 +159,13 @@ for (const tube of [1, 10, 200]) {
     const made = path(40, 63);
     const plane = planeOf(made, { kind: 'fracture', depth: 1010, apparent_dip: 62, toolface: 130, radius: 0.13 }, 0.1);
     const { centre, tangent } = made.at(1010);
-    for (const [i, { trace: line, edge, wide }] of discOf(plane, 0.1 * tube).entries()) {
+    for (const [i, line] of traceOf(plane, 0.1 * tube).entries()) {
       const from = line.map((x, j) => x - centre[j]);
       const along = from.reduce((sum, x, j) => sum + x * tangent[j], 0);
       near(1010 + along, planeDepth(made, plane, 5 * i), 1e-4, 'depth of the trace');
       near(Math.hypot(...from.map((x, j) => x - along * tangent[j])), 0.1 * tube, 1e-8 * tube, 'on the wall that is drawn');
+    }
+    for (const { edge, wide } of discOf(plane, 0.1 * tube)) {
       const out = edge.map((x, j) => x - centre[j]);
       const up = out.reduce((sum, x, j) => sum + x * tangent[j], 0);
       assert.equal(wide, Math.hypot(...out.map((x, j) => x - up * tangent[j])) > 0.1 * tube, 'the edge is outside the hole');
