@@ -112,7 +112,7 @@ export class Gpu {
         bottom: Math.min(b, view.bottom) - tile.startDepth,
       });
       this.drawRows(piece, view, {
-        cols: pickStride(COL_STRIDES, (2 * Math.PI * store.bitRadius * scale.perMetre) / level.sectors, level.sectors / 8),
+        cols: pickStride(COL_STRIDES, (2 * Math.PI * store.bitRadius * scale.perMetre) / level.columns, level.columns / 8),
         rows: pickStride(ROW_STRIDES, (wallRect.height / view.length) * Math.abs(level.pitch), level.rows / 4),
       });
     }
@@ -210,7 +210,7 @@ export class Gpu {
       const { level } = tile;
       const away = Math.max(this.distance(piece, look), 0.2);
       const strides = {
-        cols: pickStride(COL_STRIDES, ((2 * Math.PI * radius) / level.sectors / away) * pixel, level.sectors / 8),
+        cols: pickStride(COL_STRIDES, ((2 * Math.PI * radius) / level.columns / away) * pixel, level.columns / 8),
         rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel * (inside ? Math.min(1, radius / away) : 1), level.rows / 4), // from inside the wall is seen at a slant
       };
       const [a, b] = slanted(piece);
@@ -238,8 +238,8 @@ export class Gpu {
   drawRows(piece, view, { cols, rows }) {
     const { level } = piece.tile;
     const [first, count] = rowsShown(piece, view, level, { cols, rows });
-    const made = () => gridIndices(level.sectors, level.rows, cols, rows);
-    this.context.drawGrid(`${level.sectors}/${level.rows}/${cols}/${rows}`, made, first, count);
+    const made = () => gridIndices(level.columns, level.rows, cols, rows);
+    this.context.drawGrid(`${level.columns}/${level.rows}/${cols}/${rows}`, made, first, count);
     this.stats.triangles += count / 3;
   }
 

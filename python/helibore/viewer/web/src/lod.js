@@ -5,7 +5,7 @@
 
 export const COL_STRIDES = [1, 2, 4, 8];
 export const ROW_STRIDES = [1, 4, 16, 64];
-export const FINE_TILES = 64; // a longer section is drawn from the overview
+export const FINE_TILES = 64; // of the wall at once, on the page
 const TARGET = 4.5; // pixels: a coarse edge may be this long
 
 /** @param {number[]} strides @param {number} pixels @param {number} limit */
@@ -38,13 +38,13 @@ export function gridIndices(sectors, rows, colStride, rowStride) {
 
 // Return [first, count] of the grid's indices whose rows lie in the section and in the shown part of the tile.
 /** @param {Piece} piece @param {View} view @param {Level} level @param {{ cols: number, rows: number }} strides */
-export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch }, strides) {
+export function rowsShown({ tile, top, bottom }, view, { columns, rows, pitch }, strides) {
   const places = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
   /** @param {number} row */
   const line = (row) => Math.min(Math.max(row, 0), Math.ceil(rows / strides.rows));
   const first = line(Math.floor((Math.min(...places) - 1) / strides.rows)); // a turn is one pitch deep
   const last = line(Math.ceil((Math.max(...places) + 1) / strides.rows));
-  const aRow = 6 * Math.ceil(sectors / strides.cols);
+  const aRow = 6 * Math.ceil(columns / strides.cols);
   return [first * aRow, (last - first) * aRow];
 }
 

@@ -17,7 +17,6 @@ import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindTracks } from './input.js';
 import { ageOf, lamp, LIFTED, Pace } from './lamp.js';
 import { late } from './late.js';
-import { FINE_TILES } from './lod.js';
 import { Notes } from './notes.js';
 import { disableControls, fillSelects, nameCuts, showBasis } from './panel.js';
 import { cutFor, Path } from './path.js';
@@ -299,13 +298,13 @@ export class App {
 
   // Subscribe to the tiles around the section and to the growing tile; keep the other tiles that fit in memory.
   ask() {
-    const { store, view } = this;
+    const { store, view, renderer: { mostTiles } } = this;
     if (!store) return;
     const wall = store.levels[0];
     const near = wall.tilesBetween(view.top - view.length / 2, view.bottom + view.length / 2);
     const growing = Math.floor(Math.max(0, wall.size - 1) / wall.tileSize);
     const seen = wall.tilesBetween(view.top, view.bottom);
-    const wanted = new Set([...(seen.length > FINE_TILES ? [] : near.length > FINE_TILES ? seen : near), growing, growing + 1]);
+    const wanted = new Set([...(seen.length > mostTiles ? [] : near.length > mostTiles ? seen : near), growing, growing + 1]);
     if (view.cursor) wanted.add(Math.min(wall.tileAtDepth(view.cursor.depth), growing));
     for (const index of seen) store.touch(wall.tiles.get(index));
     for (const tile of store.surplus(MEMORY, wanted)) {

@@ -45,6 +45,7 @@ export class Renderer {
   /** @type {number | null} */
   firstPicture = null;
   fitted = false;
+  mostTiles = FINE_TILES; // of the wall at once: a longer section is drawn from the overview
   loading = false; // more.js
   stale = true; // the WebGL canvas shows something else
   paintedAt = 0;
@@ -120,14 +121,15 @@ export class Renderer {
     const quantity = view.rig ? nearBit(selection.quantity) : selection.quantity;
     const { top, bottom } = view;
     const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
-    const tiles = turns / store.levels[0].rows;
-    const pieces = coverage(store, top, bottom, tiles <= FINE_TILES && turns <= 16 * rects.image.height);
+    const fine = turns / store.levels[0].rows <= this.mostTiles;
+    const wallPieces = coverage(store, top, bottom, fine);
+    const imagePieces = turns <= 16 * rects.image.height ? wallPieces : coverage(store, top, bottom, false); // a pixel shows at most the mean of 16 turns
     const now = seconds();
     /** @type {Look} */
     const made = {
       store, view, path, rects, bitDepth, oldBit: view.rig && isStale(app), asked: quantity, quantity,
-      imagePieces: pieces,
-      wallPieces: pieces,
+      imagePieces,
+      wallPieces,
       imageRect: rects.image,
       wallRect: rects.wall,
       background: PALETTES[view.theme].background,

@@ -155,7 +155,30 @@ vec2 sure(vec2 slant, uint state, float steep) {
 float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
 `;
 
-export const WALL_VERTEX = /* glsl */ `${COMMON}${RADII}
+const GRID = /* glsl */ `
+// Returns column and row of a vertex of the grid, which has four columns to a cell of the overview.
+vec2 gridPlace() {
+  int fine = rings ? 4 : 1, wide = fine * K + 1, row = gl_VertexID / wide;
+  return vec2(float(gl_VertexID - row * wide) / float(fine), float(row));
+}
+// Returns the vertex of the texels at a place of the grid.
+int vertexAt(vec2 at) { return int(at.y) * K + (rings ? int(at.x) % K : int(at.x)); }
+// Returns the radius at a place of the grid. Between the middles of two cells of the overview the hole is round.
+float gridRadius(vec2 at) {
+  int k = vertexAt(at);
+  if (!rings) return smoothRadius(k);
+  vec2 r = vec2(0.0);
+  float share = fract(at.x + 0.5);
+  for (int i = 0; i < 2; i++) {
+    int cell = int(at.y) * K + (int(at.x + 0.5) + i + K - 1) % K;
+    r[i] = smoothRadius(cell);
+    if (r[i] < 0.0) r[i] = radiusAt(cell - K); // the far edge of the last ring
+  }
+  return r.x < 0.0 ? r.y : r.y < 0.0 ? r.x : mix(r.x, r.y, share);
+}
+`;
+
+export const WALL_VERTEX = /* glsl */ `${COMMON}${RADII}${GRID}
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform float tube;
 uniform vec2 steep; // how strongly slopes around and along the hole are shaded
@@ -164,11 +187,9 @@ out vec3 seen, normal, outwards, axis; // as the camera sees them; outwards is t
 out float depthHere, wall; // wall: the radius around a place; 0: not known
 
 void main() {
-  int row = gl_VertexID / (K + 1);
-  int col = gl_VertexID - row * (K + 1);
-  int at = rings ? row * K + col % K : row * K + col;
-  float r = smoothRadius(at);
-  if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
+  grid = gridPlace();
+  int at = vertexAt(grid);
+  float r = gridRadius(grid);
   vec4 near = around(at, 1, stepAlong());
   wall = 0.0;
   if (median == 0 && r > 0.0) {
@@ -179,8 +200,8 @@ void main() {
     if (at > K && at < K * rows) r = 0.5 * r + 0.125 * dot(mix(vec4(r), near, step(0.0, near)), vec4(1.0)); // an edge is seen from near: round off its steps, but not where the next tile has to meet this one
   }
   float R = exaggerated(r);
-  float turn = float(row) + slope() * float(col) / float(K);
-  float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
+  float turn = grid.y + slope() * grid.x / float(K);
+  float toolface = startToolface + 6.283185307179586 * grid.x / float(K);
   depthHere = turn * pitch;
   vec3 centre = frame(0, depthHere).xyz;
   vec3 high = normalize(frame(1, depthHere).xyz);
@@ -192,7 +213,6 @@ void main() {
   axis = turned * cross(high, right);
   normal = outwards - slant.x * cross(axis, outwards) - slant.y * axis;
   vec4 seenAt = modelViewMatrix * vec4(centre + R * tube * out1, 1.0);
-  grid = vec2(float(col), float(row));
   seen = seenAt.xyz;
   gl_Position = projectionMatrix * seenAt;
 }
@@ -252,7 +272,7 @@ export const INSIDE = COMMON + COLOUR + RADII + QUAD + ROCK;
 
 // The straightened hole: depth runs down the picture. If the user has not turned it, the left edge of the image is at the
 // left, and the last quarter of the image is in front. The right half of the front is cut away.
-export const COLUMN_VERTEX = /* glsl */ `${COMMON}${RADII}
+export const COLUMN_VERTEX = /* glsl */ `${COMMON}${RADII}${GRID}
 uniform int reference;        // 0 up, 1 north
 uniform float offset;         // radians from the reference to the left side
 uniform float across;         // half widths of the picture a metre
@@ -261,19 +281,16 @@ uniform float viewTop, viewLength; // metres, from the tile's start
 out vec2 grid, side;          // side: unit vector from the axis to the wall; x to the right, y towards the eye
 out float depthHere, light;
 void main() {
-  int row = gl_VertexID / (K + 1);
-  int col = gl_VertexID - row * (K + 1);
-  int at = rings ? row * K + col % K : row * K + col;
-  float r = smoothRadius(at);
-  if (rings && r < 0.0) r = radiusAt(at - K);
+  grid = gridPlace();
+  int at = vertexAt(grid);
+  float r = gridRadius(grid);
   float R = exaggerated(r);
   vec2 slant = slopes(around(at, 1, stepAlong()), R) * vec2(1.0, relief);
-  depthHere = (float(row) + slope() * float(col) / float(K)) * pitch;
-  float turn = startToolface + 6.283185307179586 * float(col) / float(K) - frame(reference, depthHere).w - offset;
+  depthHere = (grid.y + slope() * grid.x / float(K)) * pitch;
+  float turn = startToolface + 6.283185307179586 * grid.x / float(K) - frame(reference, depthHere).w - offset;
   side = -vec2(cos(turn), sin(turn));
   vec3 normal = normalize(vec3(side.x + slant.x * side.y, -slant.y, side.y - slant.x * side.x)); // right, down, towards the eye
   light = max(0.0, dot(side.y < 0.0 ? -0.6 * normal : normal, normalize(vec3(-0.35, -0.5, 0.8)))); // the inside is dimmer
-  grid = vec2(float(col), float(row));
   gl_Position = vec4(side.x * R * across, 1.0 - 2.0 * (depthHere - viewTop) / viewLength, -0.5 * side.y * min(1.0, R * across), 1.0);
 }
 `;

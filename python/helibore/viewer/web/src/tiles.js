@@ -9,6 +9,8 @@
 import { Helix } from './helix.js';
 import { FIRST, NEAREST, RADIUS, STATE, TEXEL } from './protocol.js';
 
+const ROUND = 4; // columns of the grid to a cell of the overview, as in shaders.js
+
 export class Tile {
   /** @param {Level} level @param {number} index @param {number} attributes */
   constructor(level, index, attributes) {
@@ -66,6 +68,11 @@ export class Level extends Helix {
 
   get tileSize() {
     return this.rows * this.sectors;
+  }
+
+  // The columns of its grid in 3-D: a ring of a few cells is drawn round.
+  get columns() {
+    return this.rings ? ROUND * this.sectors : this.sectors;
   }
 
   /** @param {number} depth */

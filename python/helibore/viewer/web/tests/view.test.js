@@ -130,7 +130,7 @@ test('strides grow with distance and stop at the limit', () => {
 
 test('of a tile only the rows in the section are drawn, and all of those', () => {
   for (const pitch of [0.1, -0.1]) {
-    const level = { sectors: 64, rows: 256, pitch };
+    const level = { columns: 64, rows: 256, pitch };
     const tile = { startDepth: 1000 };
     const ends = [1000, 1000 + 256 * pitch].sort((a, b) => a - b);
     const all = rowsShown({ tile, top: ends[0], bottom: ends[1] }, { top: 0, bottom: 9999 }, level, { cols: 1, rows: 4 });
