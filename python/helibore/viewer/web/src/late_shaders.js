@@ -88,7 +88,8 @@ void main() {
     float own = texelFetch(column, here, 0).r;
     if (known(own)) {
       if (imageLog) own = log(max(own, 1e-6));
-      int across = max(K / 24, 1), along = max(int(0.5 * bitRadius / abs(pitch)), 2);
+      if (near) own += smoothed(grid - 0.5, own, true).z;
+      int across = max(K / 24, 1), along = min(max(int(0.5 * bitRadius / abs(pitch)), 2), min(here.y, rows - here.y)); // no farther than the tile: beyond it a fracture would be mirrored
       float darker = 0.0, lighter = 0.0; // than on both sides, in one of four directions: an edge is neither
       for (int i = 0; i < 4; i++) {
         ivec2 aside = ivec2(i == 1 ? 0 : across, i == 0 ? 0 : i == 3 ? -along : along);
@@ -96,10 +97,8 @@ void main() {
         darker = max(darker, min(sides.x, sides.y));
         lighter = max(lighter, -max(sides.x, sides.y));
       }
-      float contrast = lighter - darker;
-      if (abs(contrast) > 0.1 * range && near) contrast += smoothed(grid - 0.5, own, true).z;
-      contrast /= range * small;
-      mark = clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.08), 0.25, 1.3); // noise and lamination are faint
+      float contrast = (lighter - darker) / range / small;
+      mark = clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.2), 0.25, 1.3); // noise and lamination are faint
     }
   }
   vec3 base = mark * rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
