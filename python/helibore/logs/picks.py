@@ -63,6 +63,10 @@ APPARENT = ("TOOLFACE (deg)", "APPARENT_DIP (deg)")
 TEXTS = ("kind", "note", "image", "key")
 OPTIONAL = ("radius", "dip_sigma", "toolface_sigma", "aperture")
 """Numbers that may be None."""
+SURE = 1.96
+"""Standard deviations of an interval of 95 %."""
+FAR = 0.6
+"""Radians: a dip that is no surer shows no direction."""
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
 """Fields by which two picks with different keys are recognised as one feature."""
 
@@ -171,6 +175,49 @@ class Pick:
         north, east, down = normal if normal[2] <= 0 else -normal
         dip = math.degrees(math.atan2(math.hypot(north, east), -down))
         return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
+
+    def dip_interval(self, path: Path | None) -> tuple[float, float]:
+        """Return half the 95 % intervals of true dip and dip azimuth, degrees.
+
+        Without a true dip they are those of apparent dip and toolface. Both are NaN where it is
+        not known how sure the pick is. An azimuth of which nothing is known has 180.
+        """
+        if self.dip_sigma is None or self.toolface_sigma is None:
+            return math.nan, math.nan
+        dip, azimuth = self.dip(path)
+        if path is None or math.isnan(dip):
+            return SURE * self.dip_sigma, min(180.0, SURE * self.toolface_sigma)
+        slope, deepest = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
+        steeper = math.radians(self.dip_sigma) * (1 + slope**2)
+        aside = math.radians(self.toolface_sigma) * slope if self.toolface_sigma < 180.0 else steeper
+        zero, right, along = path.frame(np.array([self.depth]))[0]
+        towards = math.radians(0.0 if math.isnan(azimuth) else azimuth)
+
+        def tilted(more: float, across: float) -> tuple[float, float, float]:
+            """Return the normal of the plane if it were steeper or turned: towards its dip, across it, and up."""
+            a = (slope + more) * math.cos(deepest) - across * math.sin(deepest)
+            b = (slope + more) * math.sin(deepest) + across * math.cos(deepest)
+            normal = along - a * zero - b * right
+            north, east, down = (normal if normal[2] <= 0 else -normal) / np.linalg.norm(normal)
+            c, s = math.cos(towards), math.sin(towards)
+            return north * c + east * s, east * c - north * s, -down
+
+        level, _, up = tilted(0.0, 0.0)
+        squares = [0.0, 0.0]
+        for more, across in ((steeper, 0.0), (0.0, aside)):
+            ends = []
+            for times in (-SURE, SURE):
+                to, beside, high = tilted(times * more, times * across)
+                side = (
+                    -1 if to * level + high * up < 0 else 1
+                )  # a normal turned past level is the other one of its plane
+                ends.append((abs(math.atan2(side * to, side * high) - math.atan2(level, up)), abs(beside)))
+            for at in (0, 1):
+                squares[at] += max(end[at] for end in ends) ** 2
+        dipped, turned = math.sqrt(squares[0]), math.sqrt(squares[1])
+        likely = math.sqrt(max(0.0, level**2 - squares[1] / 2))  # errors make a dip look steeper
+        known = turned < likely and dipped < FAR
+        return min(90.0, math.degrees(dipped)), math.degrees(math.asin(turned / likely)) if known else 180.0
 
     def axis(self, path: Path | None) -> float:
         """Return the azimuth of a breakout's axis on a path, degrees in [0, 180); else NaN (`Path.azimuth`)."""

@@ -75,14 +75,22 @@ def table_row(pick: Pick, content: Content) -> list[str]:
         )
         own = [number(pick.apparent_dip, 1), number(pick.toolface, 0), aperture, fitted or "by hand"]
     axis = pick.axis(content.wall.path)
-    angles = number(dip, 1) or "–", number(axis if math.isnan(azimuth) else azimuth, 0) or "–"
+    steep, aside = pick.dip_interval(content.wall.path)
+    angles = [number(dip, 1) or "–", number(axis if math.isnan(azimuth) else azimuth, 0) or "–"]
+    if math.isfinite(steep):  # without a true dip it is that of the apparent one
+        cells = own if math.isnan(dip) else angles
+        cells[0] += f" ± {math.ceil(steep)}"
+        cells[1] += " or any" if aside > 90 else f" ± {math.ceil(aside)}"
     return [pick.kind, in_depth_unit(pick.depth, content), *angles, *own, pick.note or "–"]
 
 
 def table_note(content: Content) -> str:
     """Return what the angles of the table count from, and what a misfit is."""
     fit = "misfit: that of the picked points along the hole, root mean square"
-    return f"{sentence(north_of_picks(content))} {sentence(f'toolfaces: {toolface_text(content)}')} {sentence(fit)}"
+    sure = " ±: 95 % intervals." if any(pick.dip_sigma is not None for pick in in_interval(content)) else ""
+    return (
+        f"{sentence(north_of_picks(content))} {sentence(f'toolfaces: {toolface_text(content)}')} {sentence(fit)}{sure}"
+    )
 
 
 def nets(content: Content) -> Figure | None:

@@ -232,3 +232,26 @@ def test_the_picks_of_a_wall_stand_beside_its_archive_and_go_with_its_copies(tmp
         assert other.picks == wall.picks
         other.picks.clear()
         assert len(wall.picks) == 1
+
+
+@pytest.mark.parametrize(("apparent", "toolface"), [(12.0, 30.0), (40.0, 200.0), (70.0, 310.0)])
+def test_intervals_of_dip_and_azimuth_hold_what_hands_draw(apparent: float, toolface: float) -> None:
+    """Picks whose apparent dip and toolface scatter around a plane by their sigmas hold its dip and azimuth."""
+    hole = path(40.0, 60.0)
+    truth = Pick(kind="bed", depth=50.0, apparent_dip=apparent, toolface=toolface).dip(hole)
+    rng, held = np.random.default_rng(3), np.zeros(2)
+    for _ in range(400):
+        drawn = Pick(
+            kind="bed", depth=50.0, apparent_dip=apparent + rng.normal(0, 1.0),
+            toolface=(toolface + rng.normal(0, 2.0)) % 360, dip_sigma=1.0, toolface_sigma=2.0,
+        )  # fmt: skip
+        off = np.subtract(drawn.dip(hole), truth)
+        off[1] = (off[1] + 180) % 360 - 180
+        held += np.abs(off) <= drawn.dip_interval(hole)
+    assert np.all(held / 400 > 0.92), held
+
+
+def test_intervals_of_a_pick_without_a_path_are_those_of_its_own_angles() -> None:
+    pick = Pick(kind="bed", depth=1000.0, apparent_dip=30.0, toolface=5.0, dip_sigma=2.0, toolface_sigma=120.0)
+    assert pick.dip_interval(None) == (3.92, 180.0)
+    assert np.isnan(Pick(kind="bed", depth=1000.0, toolface=5.0).dip_interval(None)).all()

@@ -194,6 +194,8 @@ def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall
     row = table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, misfit=0.0042, points=6, note="open"), content)
     assert row[-3:] == ["–", "4.2, 6 points", "open"]
     assert table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, aperture=0.0172), content)[-3] == "17 mm"
+    sure = Pick(kind="fault", depth=2010.0, toolface=5.0, apparent_dip=30.0, dip_sigma=0.9, toolface_sigma=2.0)
+    assert table_row(sure, content)[4:6] == ["30.0 ± 2", "5 ± 4"], "without a path those of its own angles"
     assert table_row(Pick(kind="breakout", depth=2010.0, toolface=5.0, height=1.0, opening=44.0), content)[-3] == "44°"
     bars = [patch.get_xy() for axes in figures[-1].axes for patch in axes.patches]
     ends = sorted(float(np.degrees(np.arctan2(*bar.mean(axis=0))) % 360) for bar in bars)

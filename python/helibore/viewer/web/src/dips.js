@@ -7,6 +7,7 @@
 // Three points or more, not all on one side of the hole. The misfit shows how well the points lie in a plane.
 
 import { wrap360 } from './helix.js';
+import { loaded } from './late.js';
 import { dot, minus, normalised, scaled } from './vectors.js';
 
 const DEG = 180 / Math.PI;
@@ -119,12 +120,14 @@ export const riseOf = ({ a, b, radius }) => radius * Math.hypot(a, b);
 
 const LONGEST = 24; // characters of a note on a picture
 
-// Return the note of a plane's pick and its angles: F1 open 34 / 120.
-/** @param {Plane} plane @param {Path} path */
-export function anglesOf({ dip, azimuth, apparent, deepest, pick }, { surveyed }) {
-  const [angle, towards] = surveyed ? [dip, azimuth] : [apparent, deepest];
+// Return the note of a plane's pick and its angles, if asked with their intervals: F1 open 34 ± 2 / 120 ± 5.
+/** @param {Plane} plane @param {Path} path @param {boolean} [sure] */
+export function anglesOf(plane, path, sure = true) {
+  const { dip, azimuth, apparent, deepest, pick } = plane;
+  const [angle, towards] = path.surveyed ? [dip, azimuth] : [apparent, deepest];
   const name = pick?.note ? `${pick.note.slice(0, LONGEST)} ` : '';
-  return `${name}${angle.toFixed(0)} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}`;
+  const [steep, aside] = (sure && loaded()?.marksOf(plane, path)) || ['', ''];
+  return `${name}${angle.toFixed(0)}${steep} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}${aside}`;
 }
 
 // Return both azimuths of a breakout's axis as text, '' where they are not known.
@@ -139,6 +142,6 @@ export const northOf = ({ north }) => (north ? `${north} north` : 'a north that 
 /** @param {Path} path */
 export const northInWords = (path) => northOf(path) + (path.north ? '' : ' (path.north states it)');
 
-// Return what the two angles are.
-/** @param {Path} path */
-export const anglesInWords = (path) => (path.surveyed ? `dip / azimuth${path.north ? ` from ${path.north} north` : ', north not stated'}` : 'apparent dip / toolface of the deepest point');
+// Return what the two angles of planes are.
+/** @param {Path} path @param {Plane[]} [planes] */
+export const anglesInWords = (path, planes = []) => `${path.surveyed ? `dip / azimuth${path.north ? ` from ${path.north} north` : ', north not stated'}` : 'apparent dip / toolface of the deepest point'}${planes.some(({ pick }) => pick?.dip_sigma) ? ', ± 95 %' : ''}`;

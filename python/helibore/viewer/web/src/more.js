@@ -7,7 +7,7 @@ export { drawNet } from './net.js';
 export { drawNext, drawPoints } from './pick_ink.js';
 export { openingOf } from './opening.js';
 export { inWords, writeCard } from './pick_card.js';
-export { surenessOf } from './sureness.js';
+export { marksOf, surenessOf } from './sureness.js';
 export { default as HELP } from '../help.html';
 export { BIT, BIT_CORNERS, INSIDE_FRAGMENT } from './late_shaders.js';
 export { plainImage } from './plain_image.js';

@@ -4,7 +4,7 @@
 import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
 import { label, PALETTES, SMALL } from './layout.js';
-import { northInWords } from './dips.js';
+import { northInWords, northOf } from './dips.js';
 
 const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose
@@ -58,7 +58,7 @@ export function drawNet({ ink, width, height }, { view, path }, { kept, boxes },
   const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
   petals(ink, flower, rose(dips), palette.soft);
   petals(ink, flower, rose(axes), palette.picks.breakout);
-  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (north ? `dip azimuths from ${northInWords(path)}` : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
+  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (north ? `dip azimuths from ${(alone ? northInWords : northOf)(path)}` : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
 }
 
 /** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {Palette} palette @param {string[]} names */

@@ -4,7 +4,7 @@ import { axisOf, northOf } from './dips.js';
 import { byId, hide, say } from './dom.js';
 import { openingOf } from './opening.js';
 import { BREAKOUT, counted, FIELDS, isDepth, unitOfField } from './pick_fields.js';
-import { intervalsOf } from './sureness.js';
+import { intervalsOf, marksOf } from './sureness.js';
 import { depthUnit, showAngle, showDepth, showLength } from './units.js';
 
 const COARSE = 10; // degrees: a plane that is no surer was picked at too coarse a scale
@@ -79,8 +79,7 @@ function writeFields(pick, units) {
 /** @param {Plane} plane @param {Path} path */
 export function inWords(plane, path) {
   const { dip, azimuth, apparent, deepest } = plane;
-  const sure = intervalsOf(plane, path.surveyed);
-  const [steep, towards] = (sure ?? []).map((half) => ` ± ${Math.ceil(half)}`);
-  const [angle, direction] = [`${showAngle(Number.isNaN(dip) ? apparent : dip)}${steep ?? ''}`, `${showAngle(Number.isNaN(dip) ? deepest : azimuth, 0)}${sure && sure[1] > 90 ? ' or any' : towards ?? ''}`];
+  const [steep, towards] = marksOf(plane, path);
+  const [angle, direction] = [`${showAngle(Number.isNaN(dip) ? apparent : dip)}${steep}`, `${showAngle(Number.isNaN(dip) ? deepest : azimuth, 0)}${towards}`];
   return Number.isNaN(dip) ? `apparent dip ${angle}, deepest at ${direction}` : `true dip ${angle} toward ${direction}   (apparent ${showAngle(apparent)})`;
 }

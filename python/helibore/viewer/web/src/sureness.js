@@ -87,3 +87,10 @@ export function intervalsOf(plane, surveyed) {
   const likely = Math.sqrt(Math.max(0, level * level - turned * turned / 2)); // errors make a dip look steeper
   return [Math.min(MOST.dip, dipped / RAD), turned < likely && dipped < FAR ? Math.asin(turned / likely) / RAD : MOST.toolface];
 }
+
+// Return what follows a dip and its direction in a text: their intervals, '' where these are not known.
+/** @param {Plane} plane @param {Path} path @returns {[string, string]} */
+export function marksOf(plane, { surveyed }) {
+  const [steep, towards] = intervalsOf(plane, surveyed) ?? [];
+  return steep === undefined || towards === undefined ? ['', ''] : [` ± ${Math.ceil(steep)}`, towards > 90 ? ' or any' : ` ± ${Math.ceil(towards)}`];
+}
