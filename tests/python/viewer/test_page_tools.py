@@ -366,6 +366,16 @@ def test_a_cleft_is_darker_from_inside_the_deeper_it_is(browser: Any) -> None:
     assert 0.12 < light[-1] < 0.45, "its ground is dark, and seen"
 
 
+# Where a place of the wall is on the 3-D view, from a toolface and a depth.
+WALL_PLACE = (
+    "(({ path, store, renderer: { gpu, rects: { wall } } }, toolface, depth) => {"
+    " const { centre, high, right } = path.at(depth); const t = (toolface * Math.PI) / 180;"
+    " const at = centre.map((x, i) => x + store.bitRadius * (Math.cos(t) * high[i] + Math.sin(t) * right[i]));"
+    " const [x, y] = gpu.project({ centre: at }, wall); return [x - wall.left, y - wall.top]; })"
+    "(window.__wall.app, %f, %f)"
+)
+
+
 def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browser: Any) -> None:
     """The wall is smooth; the image is dark in the fracture, noisy elsewhere, and has an edge that is no line."""
     wall = MadeWall(80_000, pitch=0.005)
@@ -374,13 +384,6 @@ def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browse
     amplitude = 60 + 12 * (wall.depth > 1002.2) + rng.normal(0, 1.5, len(wall))
     away = np.abs(wall.depth - 1001.6 - 0.06 * np.cos(np.radians(wall.toolface - 200)))
     amplitude = amplitude - 40 * np.exp(-((away / 0.008) ** 2))
-    place = (
-        "(({ path, store, renderer: { gpu, rects: { wall } } }, toolface, depth) => {"
-        " const { centre, high, right } = path.at(depth); const t = (toolface * Math.PI) / 180;"
-        " const at = centre.map((x, i) => x + store.bitRadius * (Math.cos(t) * high[i] + Math.sin(t) * right[i]));"
-        " const [x, y] = gpu.project({ centre: at }, wall); return [x - wall.left, y - wall.top]; })"
-        "(window.__wall.app, %f, %f)"
-    )
     seen = {}
     for name, image in (("AMP", amplitude), ("PLAIN", np.full(len(wall), 60.0))):
         with hb.view(wall, path=curved_path(), attributes={hb.Attribute(name, "dB"): image}) as viewer:
@@ -394,16 +397,64 @@ def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browse
                 trace = 1001.6 + 0.06 * math.cos(math.radians(toolface - 200))
                 on, *off = (
                     light[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].mean()
-                    for x, y in (screen.evaluate(place % (toolface, trace + by)) for by in (0.0, -0.08, 0.08))
+                    for x, y in (screen.evaluate(WALL_PLACE % (toolface, trace + by)) for by in (0.0, -0.08, 0.08))
                 )
                 found.append(on / np.mean(off))
-            x, y = screen.evaluate(place % (20, 1002.2))
+            x, y = screen.evaluate(WALL_PLACE % (20, 1002.2))
             edge = light[round(y) - 4 : round(y) + 5, round(x) - 1 : round(x) + 2].mean(axis=1)
             seen[name] = (max(found), np.ptp(edge) / edge.mean())
             screen.close()
     assert seen["PLAIN"][0] == pytest.approx(1, abs=0.12)
     assert seen["AMP"][0] < 0.6, "all around the hole"
     assert seen["AMP"][1] < seen["PLAIN"][1] + 0.1, "the edge is no line"
+
+
+def test_no_light_slab_is_beside_a_closed_fracture_at_the_seam_of_two_tiles(browser: Any) -> None:
+    """Beyond the seam at 1001.28 m are other values than those before it, in reverse order."""
+    wall = MadeWall(40_000, pitch=0.005)
+    wall.radius = np.full(len(wall), BIT / 2 + 0.001)
+    amplitude = 60 - 40 * np.exp(-(((wall.depth - 1001.33) / 0.008) ** 2))
+    with hb.view(wall, path=curved_path(), attributes={hb.Attribute("AMP", "dB", 20, 80): amplitude}) as viewer:
+        address = "#md=1001.9&sec=2&camera=down&quantity=over&beside=&tab=3d"
+        screen = Screen(browser, viewer.url, address, (1366, 768))
+        screen.until("ink.labels.some(({ text }) => text.includes('dark and light by AMP'))")
+        screen.settle()
+        light = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+        for toolface in (20, 110, 290):
+            on, before, after = (
+                light[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].mean()
+                for x, y in (screen.evaluate(WALL_PLACE % (toolface, depth)) for depth in (1001.33, 1001.285, 1001.25))
+            )
+            assert on < 0.7 * before
+            assert before == pytest.approx(after, rel=0.08)
+        screen.close()
+
+
+def test_a_trace_is_thin_and_that_of_the_selected_pick_two_lines_beside_what_it_marks(browser: Any) -> None:
+    """At its deepest point a trace is level: how opaque the ink is there, from 8 pixels above to 8 below."""
+    across = (
+        "([x, y]) => { const ink = document.getElementById('ink'); const { left, top } = ink.getBoundingClientRect();"
+        " const ratio = ink.width / ink.clientWidth; const high = Math.round(16 * ratio);"
+        " const { data } = ink.getContext('2d').getImageData("
+        "  Math.round((x - left) * ratio), Math.round((y - top - 8) * ratio), 1, high);"
+        " return Array.from({ length: high }, (_, i) => data[4 * i + 3] / 255); }"
+    )
+    with picked_fracture() as viewer:
+        screen = Screen(browser, viewer.url, "#md=1018.1&sec=4", drawn=False)
+        screen.keyboard.press("d")
+        screen.settle()
+        at = place(screen, 40, 1018 + BIT / 2 * math.tan(math.radians(40)))
+        rows = [np.array(screen.evaluate(across, [at[0] + dx, at[1]])) for dx in range(-6, 7)]
+        assert 0 < max(np.count_nonzero(row[4:-4] > 0.75) for row in rows) <= 2, "its dashes"
+        screen.mouse.click(*at)
+        screen.until("window.__wall.app.picking.selected")
+        screen.mouse.move(5, 5)
+        screen.settle()
+        row = np.array(screen.evaluate(across, list(at)))
+        assert row[7:10].max() == 0, "what it marks is seen"
+        assert row[2:6].max() > 0.9
+        assert row[10:14].max() > 0.9
+        screen.close()
 
 
 def test_a_fracture_keeps_its_aperture_and_how_sure_its_dip_is(browser: Any) -> None:
@@ -428,6 +479,10 @@ def test_a_fracture_keeps_its_aperture_and_how_sure_its_dip_is(browser: Any) -> 
         (pick,) = viewer.scene.picks
         assert pick.aperture == pytest.approx(wide, abs=0.004)
         assert 0.2 < pick.dip_sigma < 3
+        shown = screen.evaluate(
+            "(({ picking, path }) => more.marksOf(picking.planes().kept[0], path))(window.__wall.app)"
+        )
+        assert shown == [f" ± {math.ceil(half)}" for half in pick.dip_interval(curved_path())]
         with screen.expect_download() as saved:
             screen.click("#dipSave")
         names, row = (line.split(",") for line in Path(saved.value.path()).read_text().splitlines())
@@ -651,7 +706,7 @@ def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_sec
             pick = Pick(kind="bed" if depth == 1006.0 else "fracture", depth=depth, toolface=40.0, apparent_dip=dip)
             viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
         first, second = ("{:.0f} / {:03.0f}".format(*pick.dip(path)) for pick in list(viewer.scene.picks)[:2])
-        flatter = "hole × 5 wide: lines on it look flatter"
+        flatter = "hole × 5 wide: traces on it look flatter"
         for address, shown, wide in (
             ("#md=1007&sec=10&camera=outside&tube=5&at=1004_40", second, True),
             ("#md=1007&sec=8&camera=down&ahead=0.8", "fracture at 1004.00 m", False),
@@ -1782,8 +1837,8 @@ def test_a_picture_waits_for_the_parts_of_the_wall_that_have_not_arrived(browser
     screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
     screen.settle()
     screen.evaluate(
-        "(() => { const [level] = window.__wall.app.store.levels; const locate = level.locate.bind(level);"
-        " let came = 0; level.locate = (k) => (came ? locate(k) : { tile: null, at: 0 });"
+        "(() => { const [{ tiles }] = window.__wall.app.store.levels; const has = tiles.has.bind(tiles);"
+        " let came = 0; tiles.has = (index) => came && has(index);"
         " const toBlob = HTMLCanvasElement.prototype.toBlob;"
         " HTMLCanvasElement.prototype.toBlob = function (...more) {"
         "  window.__saved = came; return toBlob.apply(this, more); };"
@@ -1793,6 +1848,51 @@ def test_a_picture_waits_for_the_parts_of_the_wall_that_have_not_arrived(browser
         screen.click("#png")
     assert screen.evaluate("window.__saved") == 1
     screen.close()
+
+
+# Keeps the look of the next slide.
+LOOK_OF_SLIDE = """(() => { const { gpu } = window.__wall.app.renderer; const draw = gpu.draw.bind(gpu);
+ gpu.draw = (look, ...more) => {
+  if (document.getElementById('ink').slide) window.__look = look;
+  return draw(look, ...more); }; })()"""
+# How many pieces of the wall and of its overview a look has.
+PIECES = """(({ store: { levels }, wallPieces }) =>
+ levels.map((level) => wallPieces.filter(({ tile }) => tile.level === level).length))"""
+
+
+def test_a_picture_of_a_long_section_shows_the_wall_and_not_its_overview(browser: Any) -> None:
+    """A section of 80 tiles is drawn from the overview while it moves, whose cells are 45 degrees wide."""
+    with hb.view(MadeWall(80 * 256 * 64, pitch=0.005), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1051&sec=101&camera=outside&tab=3d", drawn=False)
+        screen.settle()
+        assert screen.evaluate(f"{PIECES}(window.__wall.app.renderer.look())") == [0, 2]
+        screen.evaluate(LOOK_OF_SLIDE)
+        with screen.page.expect_download():
+            screen.click("#slide")
+        assert screen.evaluate(f"{PIECES}(window.__look)") == [80, 0]
+        assert screen.evaluate(f"{PIECES}(window.__wall.app.renderer.look())") == [0, 2], "the page as before"
+        screen.close()
+
+
+def test_the_overview_is_drawn_round(browser: Any) -> None:
+    """From the end of a straight hole its outline is a circle: eight cells around are no eight corners."""
+    path = hb.Survey([970.0, 1200.0], [0.0, 0.0], [0.0, 0.0]).path(extend=100.0, reference="north")
+    wall = MadeWall(80 * 256 * 64, pitch=0.005)
+    wall.radius[:] = BIT / 2
+    with hb.view(wall, path=path) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1051&sec=101&camera=outside&tab=3d&tube=20")
+        screen.settle()
+        screen.evaluate(
+            "(() => { const { renderer, view } = window.__wall.app;"
+            " view.eye = [0, 0.01, 64, 0, 0, 0]; renderer.aim(); })()"
+        )
+        screen.settle()
+        seen = screen.pixels("wall")[..., :3].astype(int)
+        y, x = np.nonzero((np.abs(seen - seen[0, 0]) > 12).any(axis=2))
+        angles, far = np.arctan2(y - y.mean(), x - x.mean()), np.hypot(x - x.mean(), y - y.mean())
+        rim = [far[(angles > at) & (angles <= at + math.pi / 36)].max() for at in np.arange(-36, 36) * math.pi / 36]
+        screen.close()
+    assert min(rim) > 0.97 * max(rim), rim
 
 
 def test_the_path_over_the_full_width_is_looked_at_anew_and_straight_turns_the_head_back(browser: Any) -> None:

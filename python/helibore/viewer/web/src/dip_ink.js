@@ -13,6 +13,8 @@ import { edges, line, sharp } from './strokes.js';
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
 const BELOW = 18; // points of a curve, 3 pixels apart, above which its angles stand
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
+const THIN = 1.3; // pixels of a trace: a fracture is seen beside it
+const BESIDE = 10; // pixels from outside to outside of the two lines of the selected pick
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
@@ -25,10 +27,15 @@ export function linesOf(ink, { view }, { kept, current, selected, open }) {
     .map((plane) => {
       const chosen = plane.pick && plane.pick === selected;
       const colour = plane === current || chosen ? palette.cursor : palette.picks[plane.kind];
-      return { plane, colour, stroke: (wide = 2) => {
-        ink.setLineDash(open && plane === current ? [5, 4] : DASHES[plane.kind]);
-        outlined(ink, colour, palette, chosen ? 4 : wide);
+      return { plane, colour, stroke: (wide = THIN) => {
+        ink.setLineDash(open && plane === current ? [5, 4] : chosen ? [] : DASHES[plane.kind]);
+        outlined(ink, colour, palette, chosen ? BESIDE : wide);
         ink.setLineDash([]);
+        if (!chosen) return;
+        ink.globalCompositeOperation = 'destination-out'; // two lines: between them is seen what they mark
+        ink.lineWidth = BESIDE - 3;
+        ink.stroke();
+        ink.globalCompositeOperation = 'source-over';
       } };
     });
 }
@@ -48,7 +55,7 @@ export function drawDips(ink, look, planes, straight) {
     const [upper, lower] = [Math.min, Math.max].map((end) => yOf(view, image, end(...right)));
     const x = image.left + image.width - 4;
     ink.font = SMALL_BOLD;
-    if (inside(image, x, upper - 14)) label(ink, fitting(ink, [anglesOf(plane, path), anglesOf({ ...plane, pick: undefined }, path)], image.width - 8), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
+    if (inside(image, x, upper - 14)) label(ink, fitting(ink, [anglesOf(plane, path), anglesOf(plane, path, false), anglesOf({ ...plane, pick: undefined }, path)], image.width - 8), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);
@@ -86,7 +93,7 @@ export function drawLegend(ink, { view, path, growing, rects: { axis, image, pan
       ink.strokeRect(x - 4, y - 4, 8, 8);
     } else {
       symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
-      words = anglesInWords(path);
+      words = anglesInWords(path, kept);
     }
     label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
     x = right + 16;
@@ -117,8 +124,8 @@ function curve(ink, { view, path, rects }, plane, stroke) {
 // Stroke a path so that it is seen on any colour.
 /** @param {Ink} ink @param {string} colour @param {Palette} palette @param {number} [wide] */
 export function outlined(ink, colour, palette, wide = 2) {
-  ink.lineWidth = wide + 2;
-  ink.strokeStyle = palette.paper;
+  ink.lineWidth = wide + 1.6;
+  ink.strokeStyle = `${palette.paper}a0`;
   ink.stroke();
   ink.lineWidth = wide;
   ink.strokeStyle = colour;

@@ -8,6 +8,7 @@ import { eyeDepth } from './inside.js';
 import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { drawLine, levelStroke, topInWords, topPlanes, topsOf } from './plane_rings.js';
+import { marksOf } from './sureness.js';
 import { turn } from './turns.js';
 import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
@@ -53,11 +54,12 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
     const [x, y] = [0, 1].map((axis) => seen.map((point) => point[axis]));
     if (line === first) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
-      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)} toward ${showAngle(plane.azimuth, 0)}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)} apparent dip`;
+      const [steep, towards] = marksOf(plane, path);
+      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)}${steep} toward ${showAngle(plane.azimuth, 0)}${towards}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)}${path.surveyed ? '' : steep} apparent dip`;
       const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
       const middle = (Math.min(...y) + Math.max(...y)) / 2;
       const low = Math.min(middle + BELOW * (Math.max(...y) - middle) + 16, rect.height - foot - 16 * words.length);
-      words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour }));
+      texts.push({ away: 0, isDepth: false, write: () => words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour })) }); // above the rings, which would strike it through
     } else {
       const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
       later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [...UP_OR_DOWN, [44, 0], [-44, 0]], yields: true, margin: 4 }));

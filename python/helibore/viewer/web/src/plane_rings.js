@@ -13,6 +13,7 @@ const SIZE = { least: 1.5, most: 3.2 }; // of a disc: wider than the hole where 
 const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
 const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
+const RIM = 2; // pixels
 const STEP = 5; // degrees between two points of an edge
 const NO_DIP = [3, 3]; // dashes of a level ring
 
@@ -67,7 +68,7 @@ export const topInWords = ({ name, picked }, path) => (picked ? `${name}   ${ang
 
 // Return in words what traces, and discs if there are some, show on a hole that is drawn so many times too wide.
 /** @param {number} tube @param {boolean} discs */
-export const discsInWords = (tube, discs) => (tube > 1 ? [`hole × ${tube} wide: lines on it look flatter`, ...(discs ? ['discs have the true dip'] : [])] : [`hole × ${tube} wide`]);
+export const discsInWords = (tube, discs) => (tube > 1 ? [`hole × ${tube} wide: traces on it look flatter`, ...(discs ? ['discs have their true dip'] : [])] : [`hole × ${tube} wide`]);
 
 // Stroke the level line of a top without a dip.
 /** @param {Ink} ink @param {Palette} palette */
@@ -100,11 +101,11 @@ export function drawDiscs(ink, look, planes, gpu) {
     const trace = traceOf(plane, radius, [front - 90, front + 90]).map(seen);
     const disc = level ? [] : discOf(plane, radius).map(({ edge, toolface, wide }) => ({ at: seen(edge), wide, facing: Math.cos(toolface - (front * Math.PI) / 180) > 0 }));
     const rim = (level ? traceOf(plane, radius).map(seen) : disc.map(({ at, wide }) => (wide ? at : null))).filter((at) => at !== null);
-    /** @param {(Pair | null)[]} points */
-    const row = (points) => {
+    /** @param {(Pair | null)[]} points @param {number} [wide] */
+    const row = (points, wide = RIM) => {
       ink.beginPath();
       points.forEach((at, i) => at && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...at));
-      stroke();
+      stroke(wide);
     };
     ink.save();
     ink.beginPath();
@@ -120,17 +121,21 @@ export function drawDiscs(ink, look, planes, gpu) {
     row(disc.map(({ at, wide, facing }, i) => (wide && !(facing && disc[i - 1]?.facing) ? at : null)));
     ink.restore();
     row(disc.map(({ at, wide, facing }) => (wide && facing ? at : null)));
-    row(trace);
+    row(trace, level ? RIM : undefined);
     const [x, y] = gpu.project(plane.frame, rect) ?? [0, 0];
     const [left, low] = gpu.project(plane.frame, rect, gpu.aside(plane.frame, -radius)) ?? [x - 1, y];
     const away = Math.hypot(left - x, low - y);
     const [dx, dy] = [(left - x) / away, (low - y) / away]; // to the side of the hole where no depths stand
     /** @param {Pair} at */
     const far = (at) => at[0] * dx + at[1] * dy;
-    const [at] = rim.sort((one, other) => far(other) - far(one));
-    return { plane, colour, at, dx, dy };
+    const edge = /** @type {Stroke[]} */ (rim.slice(1).map((point, i) => [...rim[i], ...point]));
+    const [at] = [...rim].sort((one, other) => far(other) - far(one));
+    return { plane, colour, at, dx, dy, edge };
   });
   return () => {
+    const { strokes } = ink.canvas;
+    const before = strokes.length;
+    strokes.push(...beside.flatMap(({ edge }) => edge)); // a name keeps off the edges of discs
     /** @type {(parts: string[], place: { colour: string, at: Pair, dx: number, dy: number }, yields: boolean) => void} */
     const write = (parts, { colour, at, dx, dy }, yields) => {
       const whole = parts.join('   ');
@@ -150,6 +155,7 @@ export function drawDiscs(ink, look, planes, gpu) {
       if (place?.at) write(topInWords(top, path).split('   '), { ...place, colour: palette.top }, false);
     }
     for (const place of beside) if (place.at && !tops.some(({ plane }) => plane === place.plane)) write([anglesOf(place.plane, path)], place, true);
+    strokes.length = before;
   };
 }
 
@@ -174,6 +180,6 @@ export function drawLine(ink, { view, path, rects }, { plane, stroke }, gpu) {
   });
   ink.beginPath();
   points.forEach((point, i) => point && ink[points[i - 1] ? 'lineTo' : 'moveTo'](...point));
-  stroke(1.2);
+  stroke();
   return points;
 }

@@ -4,11 +4,14 @@
 import { inLines } from './columns.js';
 import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
+import { anglesOf } from './dips.js';
 import { byId } from './dom.js';
-import { BOLD, FONT, label, layout, PALETTES, SMALL } from './layout.js';
+import { BOLD, fitting, FONT, label, layout, PALETTES, SMALL } from './layout.js';
 import { endOf, eyeDepth, isInside } from './inside.js';
+import { FINE_TILES } from './lod.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
+import { marksOf } from './sureness.js';
 import { recorder, svgFile } from './svg.js';
 import { showAngle, showDepth, showSpan } from './units.js';
 import { captionOf } from './wall_ink.js';
@@ -16,24 +19,30 @@ import { captionOf } from './wall_ink.js';
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 export const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
 const SLIDE_CLEAR = 28; // pixels above and below the section: a slide has no controls
-const WAIT = 5000; // milliseconds
-const MOST_TILES = 32; // of a picture that waits for all of its parts
+const WAIT = 15_000; // milliseconds
+const MOST_TILES = 256; // of a picture: more than on the page, which is drawn while it moves
 const ROW = 17; // pixels of a pick in the list below
 const WORDS = 66; // pixels of the words between them
 const SIDE = { least: 210, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
 
-// Return whether a part of the wall in view has not arrived.
+// Return whether a part of the wall that the picture shows has not arrived: the overview would be drawn there. An exported file
+// has all that ever comes.
 /** @param {App} app */
-function lacks({ view, store: { span: [first, last], levels: [level] } }) {
-  if (view.length > (MOST_TILES * level.tileSize * Math.abs(level.pitch)) / level.sectors) return false; // drawn coarsely
-  return Array.from({ length: 33 }, (_, i) => view.top + (i / 32) * view.length).some((depth) => depth > first && depth < last && !level.locate(Math.max(0, level.turnAt(depth))).tile);
+function lacks({ view: { top, bottom }, store: { levels: [level] }, contents }) {
+  const tiles = level.tilesBetween(top, bottom);
+  return !contents && tiles.length <= MOST_TILES && tiles.some((index) => !level.tiles.has(index));
 }
 
 // `sharpen` is that of the page, `save` takes the picture. It waits for what has not arrived, at most WAIT.
 /** @param {App} app @param {'png' | 'svg' | 'slide'} kind @param {(ratio: number) => void} sharpen @param {(blob: Blob) => void} save @param {number} [began] @returns {void} */
 export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   const { renderer, view, store, picking } = app;
-  if (lacks(app) && performance.now() - began < WAIT) return void setTimeout(saveStage, 50, app, kind, sharpen, save, began);
+  renderer.mostTiles = MOST_TILES;
+  if (lacks(app) && performance.now() - began < WAIT) {
+    app.ask();
+    return void setTimeout(saveStage, 50, app, kind, sharpen, save, began);
+  }
+  if (lacks(app)) app.notice('Parts of the wall have not arrived: they are drawn coarsely.', 10);
   const inks = byId('ink');
   const vector = kind === 'svg';
   const slide = kind === 'slide';
@@ -91,6 +100,7 @@ export function saveStage(app, kind, sharpen, save, began = performance.now()) {
   delete inks.slide;
   Object.assign(view, { cursor, pinned, ahead });
   picking.selected = selected;
+  renderer.mostTiles = FINE_TILES;
   sharpen(0);
   byId('stage').removeAttribute('style');
   if (slide) renderer.fitted = false;
@@ -122,7 +132,8 @@ export function drawSide(ink, look, planes, width, height) {
   const palette = PALETTES[view.theme];
   const shown = inView(view, planes);
   const dials = Math.round(Math.min(2 * width, Math.max(0.55 * height, height - ROW * shown.length - WORDS)));
-  const words = inLines(ink, drawNet({ ink, width, height: dials }, look, planes, false), width - 16);
+  const net = drawNet({ ink, width, height: dials }, look, planes, false);
+  const words = inLines(ink, shown.some((one) => 'apparent' in one && marksOf(one, path)[0]) ? `${net}; ± 95 %` : net, width - 16);
   words.forEach((text, i) => label(ink, text, width / 2, dials + 10 + 14 * i, { colour: palette.soft, align: 'center', font: SMALL }));
   const first = dials + 24 + 14 * words.length;
   const room = Math.max(0, Math.floor((height - first - 10) / ROW));
@@ -131,7 +142,10 @@ export function drawSide(ink, look, planes, width, height) {
     const y = first + ROW * i;
     if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
     const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
-    const angles = known ? `${one.dip.toFixed(0)}° toward ${showAngle(one.azimuth, 0)}` : 'apparent' in one ? `${one.apparent.toFixed(0)}° apparent` : `${one.opening.toFixed(0)}° wide`;
+    const [steep, towards] = 'apparent' in one ? marksOf(one, path) : ['', ''];
+    const ways = known ? [`${one.dip.toFixed(0)}°${steep} toward ${showAngle(one.azimuth, 0)}${towards}`, anglesOf({ ...one, pick: one.pick && { ...one.pick, note: '' } }, path)] : ['apparent' in one ? `${one.apparent.toFixed(0)}°${path.surveyed ? '' : steep} apparent` : `${one.opening.toFixed(0)}° wide`];
+    ink.font = SMALL;
+    const angles = fitting(ink, ways, width - 122 - (wide ? 12 + ink.measureText(one.kind).width : 0));
     const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [wide ? one.kind : '', 116, 'left'], [angles, width - 14, 'right']]);
     for (const [text, x, align] of row) if (text) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
   });

@@ -65,10 +65,10 @@ function inWords(look, planes, tube, slide) {
   const picked = planes.kept.some(({ depth }) => inView(depth));
   const toScale = !outside && (view.shape || 1) === 1;
   const words = toScale ? ['true to scale'] : picked || (outside && look.intervals.some(([, start]) => inView(start))) ? discsInWords(tube, outside) : [`hole × ${tube} wide`];
-  if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} about the bit radius`);
-  if (outside && store.basis === 'azimuthal') words.push('see-through where not sure');
+  if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} (departures from bit size)`);
+  if (outside && store.basis === 'azimuthal') words.push('dotted where the radius is uncertain');
   if (slide && rects.image.width && leftEdge(path, view.cut, view.middle).known) words.push(`image ${CUTS[view.cut].label}`); // its head has no room
-  if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path)); // else the legend below the tracks says it
+  if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path, planes.kept)); // else the legend below the tracks says it
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (outside && store.plan.length) words.push(...planInWords(look));
   if (!path.surveyed) words.unshift('no survey: drawn vertical');

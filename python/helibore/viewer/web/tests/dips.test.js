@@ -10,7 +10,7 @@ import { discOf, topInWords, topPlanes, topsOf, traceOf } from '../src/plane_rin
 import { openingOf } from '../src/opening.js';
 import { inWords } from '../src/pick_card.js';
 import { fromPlan, offPlan } from '../src/planned.js';
-import { intervalsOf, surenessOf } from '../src/sureness.js';
+import { intervalsOf, marksOf, surenessOf } from '../src/sureness.js';
 import { readout } from '../src/panel.js';
 import { Path } from '../src/path.js';
 import { compass } from '../src/wall_ink.js';
@@ -249,7 +249,7 @@ test('the angles of a plane stand at the right end of its curve, where it is in 
 });
 
 function picking(more = {}) {
-  globalThis.more = { inWords, openingOf, surenessOf };
+  globalThis.more = { inWords, marksOf, openingOf, surenessOf };
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
@@ -645,7 +645,7 @@ test('a hole is so far above and to the right of its plan as it is moved, lookin
       const plan = [1000, 1029].map((depth) => made.at(depth).centre.map((x, i) => x - above * high[i] - over * right[i]));
       const { away, sides } = offPlan({ path: made, store: { plan } }, 1010);
       near(away, Math.hypot(above, over), 1e-3);
-      assert.deepEqual(sides.map(([, side]) => side), [above > 0 ? 'above' : 'below', over > 0 ? 'right' : 'left']);
+      assert.deepEqual(sides.map(([, side]) => side), [above > 0 ? 'to the high side' : 'to the low side', over > 0 ? 'to the right' : 'to the left']);
       near(sides[0][0], Math.abs(above), 1e-3);
       near(sides[1][0], Math.abs(over), 1e-3);
     }
