@@ -29,10 +29,14 @@ export function drawMaps(ink, look, gpu, planes) {
   const size = Math.round(Math.max(LEAST, Math.min(0.4 * wall.height, 0.21 * wall.width)));
   const radius = store.bitRadius * view.tubeFactor(store);
   const hole = part.map((depth) => path.at(depth)).flatMap((frame) => [-1, 0, 1].map((side) => gpu.project(frame, wall, gpu.aside(frame, side * radius)))).filter((at) => at !== null);
+  /** @param {Pair} corner */
+  const boxOf = ([left, top]) => ({ text: '', left, right: left + size, top: top - 16, bottom: top + size + FOOT });
+  /** @type {Box[]} */
+  const taken = [];
   /** @type {(place: Pair, margin?: number) => boolean} */
   const free = ([left, top]) => {
-    const box = { text: '', left, right: left + size, top: top - 16, bottom: top + size + FOOT };
-    return !hole.some(([x, y]) => x > left - 10 && x < left + size + 10 && y > top - 20 && y < box.bottom + 6) && !ink.canvas.labels.some((one) => touch(one, box));
+    const box = boxOf([left, top]);
+    return !taken.some((one) => touch(one, box)) && !hole.some(([x, y]) => x > left - 10 && x < left + size + 10 && y > top - 20 && y < box.bottom + 6) && !ink.canvas.labels.some((one) => touch(one, box));
   };
   const columns = [wall.left + 10, wall.left + wall.width - size - 10];
   const first = HEAD + 26;
@@ -40,6 +44,7 @@ export function drawMaps(ink, look, gpu, planes) {
   const places = columns.map((left) => [left, first]);
   const plan = places.find(free) ?? places[1];
   if (!drawMap(plan, 'plan, N up', ([north, east]) => [east, north], [])) return; // vertical
+  taken.push(boxOf(plan));
   const rows = Array.from({ length: Math.floor((wall.height - first - size - FOOT) / 10) + 1 }, (_, i) => first + 10 * i);
   const beside = [plan[0], ...columns].flatMap((left) => rows.map((top) => /** @type {Pair} */ ([left, top]))).find(free);
   if (beside) drawMap(beside, `side, ${nameOf(towards + Math.PI)}–${nameOf(towards)}`, ([north, east, down]) => [(north - a[0]) * Math.cos(towards) + (east - a[1]) * Math.sin(towards), -down], topPlanes(look, planes.kept).filter(({ start }) => start > ends[0] && start < ends[1]));

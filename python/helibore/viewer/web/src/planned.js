@@ -32,7 +32,7 @@ export function offPlan({ path, store: { plan } }, depth) {
   if (length(up) < 0.02) return { away: length(away), sides: [] }; // vertical: no side is the upper one
   const above = dot(away, normalised(up));
   const right = dot(away, cross(tangent, normalised(up)));
-  const sides = /** @type {[number, string][]} */ ([[above, above > 0 ? 'to the high side' : 'to the low side'], [right, right > 0 ? 'to the right' : 'to the left']]);
+  const sides = /** @type {[number, string][]} */ ([[above, above > 0 ? 'to the high side' : 'to the low side'], [right, right > 0 ? 'right' : 'left']]);
   return { away: length(away), sides: sides.map(([far, side]) => /** @type {[number, string]} */ ([Math.abs(far), side])) };
 }
 
@@ -56,7 +56,7 @@ export function planInWords(look) {
   /** @param {typeof end} of */
   const away = ({ depth, away: far }) => `${showDepth(far, units, 1)} from the planned path at ${showDepth(depth, units, 0)}`;
   const parts = end.sides.filter(([far]) => far >= 0.05).map(([far, side]) => `${showDepth(far, units, 1)} ${side}`).join(', ');
-  return [away(end) + (parts && `: ${parts}, looking down the hole`), ...(most.away - end.away < 0.05 ? [] : [`at most ${away(most)}`])];
+  return [away(end), ...(parts ? [`there ${parts}, looking downhole`] : []), ...(most.away - end.away < 0.05 ? [] : [`at most ${away(most)}`])];
 }
 
 // Draw what of the planned path is beside the section, between the points that are nearest to its ends: over the hole, which is drawn

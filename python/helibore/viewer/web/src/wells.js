@@ -364,7 +364,7 @@ export class Wells {
     ink.fillRect(0, 0, width, height);
     ink.font = BOLD;
     ink.fillStyle = palette.ink;
-    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.mode === 'scene' ? this.note : ''].filter(Boolean).join('   '), 8, 17);
+    ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.mode === 'scene' ? this.note.replace(' (path.head)', '') : ''].filter(Boolean).join('   '), 8, 17);
     if (kind === 'slide') inks.slide = {};
     sharpen(ratio);
     this.movedAt = 0;

@@ -326,19 +326,11 @@ export class Scene {
         const all = this.disc(well, plane).filter(({ wide }) => wide).map(({ edge }) => this.project(edge, rect)).filter((at) => at !== null);
         return all.reduce((far, at) => (side * at[0] > side * far[0] ? at : far), this.project(this.at(well, plane.depth), rect) ?? [NaN, NaN]);
       };
-      const seen = tops.map((top) => ({ top, at: this.project(this.at(well, top.start), rect) })).sort((one, other) => (one.at?.[1] ?? 0) - (other.at?.[1] ?? 0));
-      let lowest = -Infinity; // no name stands above that of a top that is higher on the picture
-      for (const { top, at } of seen) {
-        if (!at) continue;
-        const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => at[1] + dy > lowest);
-        const x = top.plane ? beside(top.plane, 1)[0] : at[0];
-        const place = near.length ? label(ink, within([topInWords(top, well.path), top.name], rect.left + rect.width - x - 12), x + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true }) : undefined;
-        lowest = place ? at[1] + place[1] : lowest;
-      }
-      for (const plane of this.picksOf(well, tops)) {
-        const [x, y] = beside(plane, -1);
-        label(ink, anglesOf(plane, well.path), x - 6, y, { colour: palette.picks[plane.kind], halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
-      }
+      inRows(tops.map((top) => ({ top, at: this.project(this.at(well, top.start), rect) })), ({ top, at: [x, y] }, near) => {
+        const edge = top.plane ? beside(top.plane, 1)[0] : x;
+        return label(ink, within([topInWords(top, well.path), top.name], rect.left + rect.width - edge - 12), edge + 8, y, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true });
+      });
+      inRows(this.picksOf(well, tops).map((plane) => ({ plane, at: this.project(this.at(well, plane.depth), rect) })), ({ plane, at: [, y] }, near) => label(ink, anglesOf(plane, well.path), beside(plane, -1)[0] - 6, y, { colour: palette.picks[plane.kind], halo: palette.paper, align: 'right', font: SMALL_BOLD, near, yields: true }));
       for (const casing of casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1])) {
         const at = this.project(this.at(well, casing[2] ?? 0), rect);
         const side = at && this.project(plus(this.at(well, casing[2] ?? 0), wells.gpu.outside.axes[0], -0.6 * (casing[4] ?? 0) * wells.tube), rect);
@@ -398,6 +390,19 @@ export class Scene {
       }
     }
     return best;
+  }
+}
+
+// Write names from the top of the picture down, each beside its place, or above or below it, and none above that of a higher place.
+/** @template {{ at: Pair | null }} T @param {T[]} places @param {(place: T & { at: Pair }, near: Pair[]) => Pair | undefined} write */
+function inRows(places, write) {
+  let lowest = -Infinity;
+  const seen = /** @type {(T & { at: Pair })[]} */ (places.filter(({ at }) => at !== null));
+  for (const place of seen.sort((one, other) => one.at[1] - other.at[1])) {
+    const [, y] = place.at;
+    const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => y + dy > lowest);
+    const moved = near.length ? write(place, near) : undefined;
+    if (moved) lowest = y + moved[1];
   }
 }
 

@@ -645,7 +645,7 @@ test('a hole is so far above and to the right of its plan as it is moved, lookin
       const plan = [1000, 1029].map((depth) => made.at(depth).centre.map((x, i) => x - above * high[i] - over * right[i]));
       const { away, sides } = offPlan({ path: made, store: { plan } }, 1010);
       near(away, Math.hypot(above, over), 1e-3);
-      assert.deepEqual(sides.map(([, side]) => side), [above > 0 ? 'to the high side' : 'to the low side', over > 0 ? 'to the right' : 'to the left']);
+      assert.deepEqual(sides.map(([, side]) => side), [above > 0 ? 'to the high side' : 'to the low side', over > 0 ? 'right' : 'left']);
       near(sides[0][0], Math.abs(above), 1e-3);
       near(sides[1][0], Math.abs(over), 1e-3);
     }
