@@ -177,7 +177,7 @@ class Pick:
         return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
 
     def dip_interval(self, path: Path | None) -> tuple[float, float]:
-        """Return half the 95 % intervals of true dip and dip azimuth, degrees.
+        """Return half the 95 % intervals of true dip and dip azimuth on a path, degrees.
 
         Without a true dip they are those of apparent dip and toolface. Both are NaN where it is
         not known how sure the pick is. An azimuth of which nothing is known has 180.

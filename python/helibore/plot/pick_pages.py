@@ -86,8 +86,8 @@ def table_row(pick: Pick, content: Content) -> list[str]:
 
 def table_note(content: Content) -> str:
     """Return what the angles of the table count from, and what a misfit is."""
-    fit = "misfit: that of the picked points along the hole, root mean square"
-    sure = " ±: 95 % intervals." if any(pick.dip_sigma is not None for pick in in_interval(content)) else ""
+    fit = "misfit: root mean square along the hole"
+    sure = " ±: 95 % interval." if any(pick.dip_sigma is not None for pick in in_interval(content)) else ""
     return (
         f"{sentence(north_of_picks(content))} {sentence(f'toolfaces: {toolface_text(content)}')} {sentence(fit)}{sure}"
     )
