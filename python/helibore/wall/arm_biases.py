@@ -28,7 +28,7 @@ from helibore.base.arrays import Floats, Integers, distinct
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import FEWEST, Covariance, Likely, covariance_of, fit_covariance, likely_covariances
-from helibore.wall.estimates import Columns, in_depth_order
+from helibore.wall.estimates import Columns, depth_order, in_depth_order
 from helibore.wall.interpolation import canonical_order
 
 _DEVIATIONS = np.geomspace(1e-5, 3e-2, 60)  # metres
@@ -129,7 +129,7 @@ def found_biases(
     numbers, arm = np.unique(caliper.arm, return_inverse=True)
     if numbers.size < 2 or numbers[0] < 0 or numbers[-1] >= MOST_ARMS:
         return None
-    arm = arm.reshape(-1)[np.argsort(caliper.depth, kind="stable")]  # as in_depth_order
+    arm = arm.reshape(-1)[depth_order(caliper)]
     samples = in_depth_order(caliper)
     biases = np.zeros(numbers.size)
     for _round in range(_ROUNDS):  # a covariance takes great biases for shape
@@ -176,7 +176,7 @@ def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covarian
     if caliper.arm is None or max(map(abs, biases)) <= np.sqrt(less.noise):
         return []
     samples = in_depth_order(caliper)
-    arm = np.unique(caliper.arm, return_inverse=True)[1].reshape(-1)[np.argsort(caliper.depth, kind="stable")]
+    arm = np.unique(caliper.arm, return_inverse=True)[1].reshape(-1)[depth_order(caliper)]
     likely = likely_covariances(samples, threads=threads)
     as_they_are, without = (find_biases(samples, arm, of).likelihood for of in (likely[0][0], less))
     return likely if as_they_are > without else []

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from helibore import _core
+from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Caliper
@@ -64,16 +65,35 @@ def in_core(samples: Columns) -> _core.PointSamples:
     return (samples if isinstance(samples, Ordered) else Ordered(samples)).in_core
 
 
+def depth_order(caliper: Caliper) -> Integers:
+    """Return the rows of samples in order of depth, (m,); with times, equal rows count once, as in a wall.
+
+    At one depth, time, toolface, radius and arm decide: the order does not depend on that in which the rows are given.
+    """
+    known = caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius, caliper.arm
+    columns = [of for of in known if of is not None]
+    order: Integers = np.arange(len(caliper)) if _ascend(columns) else np.lexsort(columns[::-1])
+    if caliper.time is None or not order.size:
+        return order
+    same = [of[order[1:]] == of[order[:-1]] for of in columns[:4]]
+    distinct_rows: Integers = order[np.append([True], ~np.logical_and.reduce(same))]
+    return distinct_rows
+
+
+def _ascend(columns: Sequence[Floats | Integers]) -> bool:
+    """Return whether rows are in order of the first column, equal ones in that of the next; faster than a sort."""
+    same = np.ones(max(columns[0].size - 1, 0), dtype=bool)
+    for of in columns:
+        if np.any(of[1:][same] < of[:-1][same]):
+            return False
+        same &= of[1:] == of[:-1]
+    return True
+
+
 def in_depth_order(caliper: Caliper) -> Ordered:
-    """Return depth, toolface in [0, 360) and radius, sorted by depth; samples at equal depths keep their order."""
-    depth, toolface, radius = caliper.depth, caliper.toolface, caliper.radius
-    if np.any(depth[1:] < depth[:-1]):
-        order = np.argsort(depth, kind="stable")
-        depth, toolface, radius = depth[order], toolface[order], radius[order]
-    if np.any((toolface < 0.0) | (toolface >= 360.0)):
-        toolface = np.mod(toolface, 360.0)
-        toolface = np.where(toolface < 360.0, toolface, 0.0)
-    return Ordered((depth, toolface, radius))
+    """Return depth, toolface in [0, 360) and radius, in the `depth_order` of the samples."""
+    order = depth_order(caliper)
+    return Ordered((caliper.depth[order], wrapped(caliper.toolface)[order], caliper.radius[order]))
 
 
 def choose_left_out(

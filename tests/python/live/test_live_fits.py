@@ -27,6 +27,7 @@ from helibore.live.journal.journal import Journal, JournalFullError, segments
 from helibore.live.model import fits
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
+from helibore.samples.caliper import Caliper
 
 AUTOMATIC = WALL.replace("sectors = 16", 'sectors = 8\nestimator = "automatic"')
 SENT = (
@@ -112,6 +113,24 @@ def test_fits_and_wall_are_the_same_however_the_bytes_are_cut(asked):
         assert live.wall.settings == alone.wall.settings
         assert bits(live.wall) == bits(alone.wall)
     assert set(asked) == {64, 126}, "the samples up to the one with which 5 and 10 m are reached"
+
+
+def test_a_fit_of_samples_as_they_arrive_is_that_of_their_batch_in_any_order(monkeypatch):
+    real, asked = fits.choose, []
+
+    def choose(caliper, settings):
+        asked.append((caliper, settings))
+        return real(caliper, settings)
+
+    monkeypatch.setattr(fits, "choose", choose)
+    rows = oval(106.0, 0.01)
+    rows[:, 1] = np.floor(rows[:, 1] / 0.12) * 0.12  # twelve at each depth
+    live = Live(parse(SENT), clock=Clock())
+    live.receive("mwd", b"".join(framed(rows)))
+    ((arrived, settings),) = asked
+    order = np.random.default_rng(1).permutation(len(arrived))
+    columns = (getattr(arrived, name)[order] for name in ("depth", "toolface", "radius", "time"))
+    assert real(Caliper(*columns), settings).settings == live.wall.settings
 
 
 def test_a_length_that_is_passed_before_its_fit_is_made_is_fitted_no_more(asked):

@@ -14,7 +14,6 @@ import helibore as hb
 from helibore.wall.arm_biases import arm_numbers, arm_shares, biases_of, find_biases, found_biases
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import covariance_of
-from helibore.wall.estimates import in_depth_order
 
 BIT = 0.216
 COVARIANCE = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5)
@@ -33,6 +32,11 @@ def tool(bias: float, numbered: bool = True, length: float = 12.0) -> tuple[hb.C
     return hb.Caliper(depth, toolface % 360.0, radius, arm=arm), biases
 
 
+def of_wall(caliper: hb.Caliper) -> tuple[Floats, Floats, Floats]:
+    samples = hb.reconstruct(caliper, bit_diameter=BIT, estimator="inverse-distance").samples
+    return samples.depth, samples.toolface, samples.radius
+
+
 def oval(toolface: Floats) -> Floats:
     return np.asarray(0.112 + 0.005 * np.cos(2 * np.radians(toolface - 30.0)))
 
@@ -45,7 +49,7 @@ def test_the_biases_are_found_as_well_as_they_say(bias: float) -> None:
     np.testing.assert_array_equal(stated[:10], 0.0)
     found = stated[10:]
     assert found.mean() == pytest.approx(0.0, abs=1e-7)  # what arms share is not known
-    samples = in_depth_order(caliper)
+    samples = of_wall(caliper)
     arm = arm_numbers(samples, caliper)
     assert arm is not None
     np.testing.assert_array_equal(np.unique(arm), np.arange(6))
@@ -112,7 +116,7 @@ def test_rows_in_place_of_arms_add_nothing_to_sigma() -> None:
     caliper, _ = tool(3e-4, length=3.0)
     columns = caliper.depth, caliper.toolface, caliper.radius
     rows = np.arange(caliper.depth.size)
-    samples = in_depth_order(caliper)
+    samples = of_wall(caliper)
     assert arm_numbers(samples, hb.Caliper(*columns, arm=rows)) is None
     known = arm_numbers(samples, hb.Caliper(*columns, arm=rows % 256))
     assert known is not None
@@ -233,7 +237,7 @@ def test_bad_biases_are_refused(biases: tuple[float, ...]) -> None:
 
 def test_arms_of_other_samples_and_one_arm_are_not_used() -> None:
     caliper, _ = tool(3e-4, length=2.0)
-    samples = in_depth_order(caliper)
+    samples = of_wall(caliper)
     assert arm_numbers(samples, None) is None
     assert caliper.arm is not None
     half = hb.Caliper(caliper.depth[::2], caliper.toolface[::2], caliper.radius[::2], arm=caliper.arm[::2])

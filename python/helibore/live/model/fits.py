@@ -81,9 +81,8 @@ class LayerFits:
     def fit(self, layer: str, due: Due, basis: Basis) -> bytes:
         """Fit the samples of a fit that is due, which takes a second or two; return the payload of its record."""
         length, columns = due
-        samples = np.unique(np.column_stack(columns), axis=0).T  # as a wall keeps them, in whatever order they came
         try:
-            choice = choose(Caliper(*samples, basis=basis), self._configured)
+            choice = choose(Caliper(*columns, basis=basis), self._configured)
             found, text = vars(choice.settings), choice.sentence
         except (ValueError, ArithmeticError, MemoryError) as error:
             reason = str(error) or type(error).__name__
