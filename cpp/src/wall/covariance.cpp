@@ -49,7 +49,7 @@ constexpr double small_half_gain = 0.5, great_half_gain = 2.0;
 // a shape of seven waves that turns by -20. So the highest counts only if it is `small_gain` nats a block above no
 // turn, and above turns that differ by `other_turn`; a fast one also above all slow ones. In one block of all samples,
 // where chance may gain as much, it must be `great_gain`.
-constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 3.0, small_gain = 2.5, great_gain = 10.0;
+constexpr double slow = 30.0, fast = 1200.0, fast_step = 8.0, other_turn = 1.5, small_gain = 2.5, great_gain = 10.0;
 constexpr double usual_turn = 6.0;       // degrees a metre: a shape that turns by so much more is 1 / e as likely
 constexpr double evidence = 2.0;         // nats for one nat a block, where there are several: all samples show more
 constexpr double smallest_share = 0.02;  // of the probability, of a place that counts
@@ -418,6 +418,10 @@ std::vector<Place> Fit::peaks(const Place& one, Turns turns, const Place& other,
 
 // Returns a wide shape, from which a turn is sought.
 Place Fit::widened(Place from) const {
+    if (from.at[0] > from.at[long_along - 2]) {  // what is called short is the shape
+        std::swap_ranges(from.at.begin(), from.at.begin() + 3, from.at.begin() + 3);
+        from.at = limits_.clipped(from.at);
+    }
     from.at[long_along - 1] = logarithm(2.0 * radius_);
     from.at[noise] = std::max(from.at[noise], from.at[long_along - 2] + logarithm(0.02));
     return from;
