@@ -413,6 +413,9 @@ def test_on_its_path_no_depth_is_cut_and_the_plan_hides_no_hole(browser: Any, vi
         side = 92
         bars = [one for one in labels if re.fullmatch(r"[0-9.]+ m", one["text"]) and one["left"] < plan["left"] + side]
         assert any(0 < one["top"] - plan["bottom"] - side < 20 for one in bars), "the bar of the plan's scale"
+        for other in (one for one in labels if one["text"].startswith("side, ")):
+            below = other["left"] == plan["left"] and other["top"] > plan["top"]
+            assert not below or other["top"] > plan["bottom"] + side + 20, "it leaves the bar of the plan in view"
         assert pane["left"] < plan["left"] < right - side
         axis = screen.evaluate(f"{AXIS}(window.__wall.app)")
         sides.add(plan["left"] > pane["left"] + pane["width"] / 2)

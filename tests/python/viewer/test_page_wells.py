@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import re
 import struct
 import urllib.request
 from collections.abc import Iterator
@@ -402,10 +404,17 @@ class TestPage:
             screen.close()
 
     @pytest.mark.parametrize("apart", [0.3, 1.5])
-    def test_names_of_tops_keep_the_order_of_their_depths_at_every_well(self, browser: Any, apart: float) -> None:
+    def test_names_of_tops_and_picks_keep_the_order_of_their_depths_at_every_well(
+        self, browser: Any, apart: float
+    ) -> None:
         """Of wells far apart, whose tops are a few pixels from each other; a name without room is left out."""
         tops = tuple(1003.0 + apart * i for i in range(5))
         walls = {"A-1": made((0.0, 0.0, 0.0), tops), "B-2": made((250.0, -280.0, 0.0), tops)}
+        for wall in walls.values():  # the edges of their discs are not in the order of their middles
+            wall.picks = [
+                hb.Pick(kind="fracture", depth=depth, apparent_dip=60.0, toolface=45.0 * i, note=f"F{i}")
+                for i, depth in enumerate(tops)
+            ]
         with hb.view_wells(walls) as viewer:
             screen = Screen(browser, viewer.url, drawn=False)
             screen.until("window.__wall.wells.drawn.length === 2")
@@ -415,10 +424,10 @@ class TestPage:
                 "(({ scene, drawn }) => [document.getElementById('ink').labels,"
                 " drawn.map((well) => scene.project(scene.at(well, 1003), scene.rect))])(window.__wall.wells)"
             )
-            names = [one for one in labels if one["text"].startswith("Bed")]
-            for x, _ in ends:
+            for first, (x, _) in itertools.product("BF", ends):
+                names = [one for one in labels if re.match(rf"{first}(ed )?\d", one["text"])]
                 here = [one for one in names if abs(one["left"] - x) < abs(ends[1][0] - ends[0][0]) / 2]
-                assert len(here) > 1
+                assert len(here) > (first == "B")
                 assert [one["text"] for one in sorted(here, key=lambda one: one["top"])] == sorted(
                     one["text"] for one in here
                 )
