@@ -292,8 +292,14 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
     const double far = find_far(samples, g, half_width, scratch) * (1.0 + 1e-6);
     for (const Far& each : scratch.far) {
         const std::size_t first = scratch.members.size();
+        double border = no_limit;  // a mean of unlike stretches is like neither
         each_member(samples, scratch, each.first, [&](Samples::Place, const kernel::Candidate& c) {
-            if (scratch.members.size() == first) begin(c.rank);
+            if (scratch.members.size() == first) {
+                begin(c.rank);
+                const auto next = std::ranges::upper_bound(excess_, c.depth, {}, &Excess::start);
+                if (next != excess_.end()) border = next->start;
+            }
+            if (c.depth >= border) return false;
             scratch.members.push_back(c);
             return scratch.members.size() < first + averaged_;
         });

@@ -138,7 +138,9 @@ class Places:
         free[np.isin(rows, near)] = False
         rows, cell = rows[free], cell[free]
         starts = np.flatnonzero(np.diff(cell, prepend=-1))
-        stops = np.minimum(np.append(starts[1:], rows.size), starts + self._averaged)
+        stretch = stretch_of(self._stretches, depth[rows])  # a mean of unlike stretches is like neither
+        ends = np.append(np.flatnonzero((np.diff(cell) != 0) | (np.diff(stretch) != 0)) + 1, rows.size)
+        stops = np.minimum(ends[np.searchsorted(ends, starts, side="right")], starts + self._averaged)
         leads = rows[starts]
         along = depth[leads] - place[0]
         across = self.across((toolface[leads] - self.covariance.turn * along) % 360.0, place[1])

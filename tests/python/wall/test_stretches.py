@@ -143,3 +143,19 @@ def test_stretches_side_by_side_are_unlike_and_no_two_kinds_are_alike(table: Flo
     for one, other in combinations(sorted(set(chosen)), 2):
         sums = [table[of_part == kind].sum(axis=0) for kind in (one, other)]
         assert sums[0][one] + sums[1][other] - (sums[0] + sums[1]).max() >= GAIN
+
+
+def test_a_mean_of_samples_ends_at_the_border_of_a_stretch() -> None:
+    """Four arms in a round hole that is wider by 12 mm below 6 m; cells of far neighbours are higher than half a metre."""
+    depth = np.repeat(np.arange(0.0, 12.0, 0.025), 4)
+    toolface = (15.0 * depth + np.tile(90.0 * np.arange(4), depth.size // 4)) % 360.0
+    radius = 0.109 + 0.012 * (depth >= 6.0) + np.random.default_rng(1).normal(0, 5e-4, depth.size)
+    quiet = (0.109, 2.5e-7, 4e-8, 0.06, 0.015, 3e-8, 0.12, 3.1)
+    washed = (0.121, 2.5e-7, 5e-6, 1.4, 0.03, 2e-5, 0.27, 0.25)
+    stretches = (6.0, *washed, 0.0, 1.0, 1.0, 0.0)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, toolface, radius), bit_diameter=BIT, estimator="near-and-far", covariance=quiet,
+        stretches=stretches,
+    )  # fmt: skip
+    above = (wall.depth > 4.0) & (wall.depth < 5.8)
+    assert np.abs(wall.radius[above] - 0.109).max() < 5e-4
