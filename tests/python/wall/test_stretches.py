@@ -146,7 +146,7 @@ def test_stretches_side_by_side_are_unlike_and_no_two_kinds_are_alike(table: Flo
 
 
 def test_a_mean_of_samples_ends_at_the_border_of_a_stretch() -> None:
-    """Four arms in a round hole that is wider by 12 mm below 6 m; cells of far neighbours are higher than half a metre."""
+    """Four arms in a round hole, wider by 12 mm below 6 m; cells of far neighbours are higher than half a metre."""
     depth = np.repeat(np.arange(0.0, 12.0, 0.025), 4)
     toolface = (15.0 * depth + np.tile(90.0 * np.arange(4), depth.size // 4)) % 360.0
     radius = 0.109 + 0.012 * (depth >= 6.0) + np.random.default_rng(1).normal(0, 5e-4, depth.size)
