@@ -264,19 +264,14 @@ def choose_blocks(
 ) -> Integers:
     """Return the rows of the samples of each block, (blocks, samples): ``number`` of each of six kinds.
 
-    The first blocks hold the samples nearest to places on the wall, the others random samples of windows. Places and
-    windows are random, one in each of equal parts of the hole.
+    The first blocks hold the samples nearest to random places on the wall, the others
+    random samples of windows.
     """
     size = BLOCK_SIZE
-
-    def one_in_each(first: float, last: float) -> Floats:
-        found: Floats = first + (np.arange(number) + rng.random(number)) * ((last - first) / number)
-        return found
-
-    places = zip(one_in_each(depth[0], depth[-1]), rng.permutation(one_in_each(0.0, 360.0)), strict=True)
+    places = zip(rng.uniform(depth[0], depth[-1], number), rng.uniform(0.0, 360.0, number), strict=True)
     chosen = [_nearest(depth, toolface, radius, place, size) for place in places]
     for window in _WINDOWS:
-        for centre in one_in_each(depth[0], depth[-1]):
+        for centre in rng.uniform(depth[0], depth[-1], number):
             low, high = np.searchsorted(depth, [centre - window / 2, centre + window / 2])
             if high - low < size:
                 low = int(np.clip((low + high - size) // 2, 0, depth.size - size))
