@@ -569,6 +569,16 @@ void Fit::limit(double spacing) {
     }
 }
 
+// Returns whether a fine term gains enough. The prior of the noise does not count: it favours noise that hides as a
+// fine term, shorter than the samples are apart, and the wall would then follow it.
+bool gains_fine(const Place& three, const Place& two) {
+    const auto without_prior = [](const Place& of) {
+        const double ratio = of.at[0] + logarithm(4.0) - of.at[noise];
+        return of.value + ratio_prior * ratio * ratio;
+    };
+    return without_prior(three) > without_prior(two) + fine_gain;
+}
+
 std::vector<Place> Fit::likely(double least_turn) {
     const Place unturned = climb(likeliest_start({limits_.high, few}), 1, steps, rooms_);
     if (least_turn == std::numeric_limits<double>::infinity()) return {unturned};
@@ -610,7 +620,15 @@ Place Fit::place_of(std::span<const double> covariance) const {
 std::vector<double> Fit::near(std::span<const double> covariance) {
     Place from = place_of(covariance);
     from.at = limits_.clipped(from.at);
-    return values_of(climb(from, 1, steps, rooms_), radius_);
+    Place found = climb(from, 1, steps, rooms_);
+    if (from.count == most) {
+        Place two = from;
+        two.count = few;
+        two.at[noise] = logarithm(exponential(from.at[noise]) + exponential(from.at[few]));
+        two = climb(two, 1, steps, rooms_);
+        if (!gains_fine(found, two)) found = two;
+    }
+    return values_of(found, radius_);
 }
 
 double Fit::likelihood(std::span<const double> covariance) {

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from reference import Floats
 
 import helibore as hb
+from helibore import _core
 from helibore.samples.caliper import Caliper
-from helibore.wall import stretches
+from helibore.wall import covariance, stretches
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import likely_covariances, stretch_of, stretches_of
 from helibore.wall.estimates import in_depth_order
@@ -159,3 +160,15 @@ def test_a_mean_of_samples_ends_at_the_border_of_a_stretch() -> None:
     )  # fmt: skip
     above = (wall.depth > 4.0) & (wall.depth < 5.8)
     assert np.abs(wall.radius[above] - 0.109).max() < 5e-4
+
+
+def test_noise_of_a_quiet_stretch_is_no_fine_term() -> None:
+    """The whole hole has a fine term, by its ledges; the quiet stretch above them has none."""
+    depth, toolface = np.arange(19_200) * (0.02 / 64), np.arange(19_200) * (360.0 / 64) % 360.0
+    noise = np.random.default_rng(5).normal(0.0, 5e-4, depth.size)
+    start = (0.11, 2.6e-7, 9.6e-6, 4.18, 0.263, 1.29e-5, -0.095, 5.78, 2.4e-7, 0.037, 0.0775)
+    samples = depth, toolface, 0.11 + noise
+    rows = covariance.choose_blocks(depth, toolface, 0.11, np.random.default_rng(1))
+    columns = tuple(of[rows.ravel()] for of in samples)
+    (found,) = _core.covariances_near(columns, covariance.BLOCK_SIZE, rows.shape[0], [start], 0.01, 1)
+    assert found[1] == pytest.approx(2.5e-7, rel=0.2)
