@@ -48,6 +48,10 @@ SILENT_SECONDS = 5
 """Seconds after which the picture of the channels is drawn anew although nothing comes: its gap grows."""
 APART_SECONDS = 30.0
 """Seconds for which the page says that radii came of a pass that the wall does not take."""
+STAND = 10.0
+"""Metres off bottom up to which the bit is lifted for a connection."""
+CORRECTED = 1.0
+"""Metres by which the hole depth changes at once if it is another depth of the same hole."""
 SHOWN_TIMES = 720
 """The number of latest values by time that the picture shows of a channel: two hours."""
 
@@ -74,6 +78,8 @@ class Window:
         self._feed: Feed | None = None
         self._shown: Wall | None = None
         self._path_moved = True
+        self._end = self._lead = math.nan  # the end of the wall, and how far the bit was below it at its last sample
+        self._hole, self._tripped = math.nan, False
         self._newest: float | None = None
         self._newest_bit: list[int] = []  # the number of the frame of the newest bit depth
         self._apart: dict[str, tuple[int, float]] = {}  # by pass that the wall does not take: samples, and since when
@@ -128,6 +134,8 @@ class Window:
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
                 known[name] = received[0]
+        if "bit_depth" in known and "hole_depth" in known:
+            known |= self._follow_hole(known["bit_depth"], known["hole_depth"])
         states_of = ((name, state) for name, state in states.items() if name in sources)
         lost = tuple(name for name, state in states_of if not is_connected(sources[name], state))
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
@@ -138,6 +146,28 @@ class Window:
         known["alarms"] = tuple(alarm.said(named=len(sources) > 1) for alarm in alarms)
         self.scene.update_state(**known, sources=text, apart=self._kept_apart(), lost=lost,
                                 ahead=asdict(ahead) if ahead else None)  # fmt: skip
+
+    def _follow_hole(self, bit: float, hole: float) -> dict[str, Any]:
+        """Return to which hole depth the sensor saw, as it follows the bit, and whether the string was tripped since.
+
+        After a start, the sensor is the configured distance behind the bit, and a bit off bottom may have been tripped.
+        """
+        on_bottom, by = self._live.model.rig.on_bottom, hole - self._hole
+        if abs(by) > CORRECTED:
+            self._lead += by  # nothing was drilled
+        if by != by or (by > 0.0 and on_bottom):
+            self._tripped = not on_bottom
+        self._tripped |= hole - bit > STAND
+        self._hole = hole
+        if self._feed is None:
+            return {"tripped": self._tripped}
+        end = self._span()[1]
+        if end != self._end:
+            calipers = [source.caliper for source in self._live.configuration.sources.values() if source.caliper]
+            offset = min((caliper.offset for caliper in calipers), default=0.0)
+            self._lead = max(offset, bit - end) if end > self._end else offset  # samples come later than the bit depth
+            self._end = end
+        return {"tripped": self._tripped, "seen_hole": self._end + self._lead}
 
     def _kept_apart(self) -> str:
         """Return the passes that the wall does not take and of which radii come, such as "ream, trip"."""

@@ -169,6 +169,47 @@ def test_a_bit_depth_is_not_old_while_the_string_hangs_still_and_other_items_com
 
 
 @pytest.mark.usefixtures("needs_page")
+def test_the_server_knows_which_hole_the_sensor_saw_and_whether_the_string_was_tripped_since():
+    from helibore.cli.live_view import Window
+
+    caliper = 'caliper = { toolface = ["5010"], radius = ["5020"], offset = 12.0 }\n'
+    rig = 'items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }\n'
+    clock = Clock()
+    live = hb.Live(parse(f'{WALL}[source.rig]\naddress = "host"\nunits = "metric"\n{rig}{caliper}'), clock=clock)
+
+    def said(window: Window, bit: float, hole: float, *, sees: bool = False) -> tuple[float, bool]:
+        items = [(108, f"{bit:.2f}"), (110, f"{hole:.2f}"), (120, "90")]
+        for turn in range(20 if sees else 1):
+            clock.step(0.1)
+            radius = [(5010, str(turn * 37 % 360)), (5020, "108")] if sees else []
+            window.show(live.receive("rig", wits.frame(items + radius)))
+        window.refresh({})
+        return window.scene.state.seen_hole, window.scene.state.tripped
+
+    with Window("well-7") as window:
+        window.follow(live)
+        for tenth in range(1130, 1180):
+            seen = said(window, tenth / 10, tenth / 10, sees=True)
+        assert seen == (pytest.approx(117.9, abs=0.3), False)
+        for tenth in range(1180, 1221, 5):
+            assert said(window, tenth / 10, tenth / 10) == (seen[0], False), "drilled without a radius"
+        assert said(window, 125.0, 125.0) == (pytest.approx(seen[0] + 3.0), False), "another depth of the same hole"
+        said(window, 122.0, 122.0)
+        assert said(window, 117.0, 122.0) == seen, "lifted for a connection"
+        assert said(window, 111.0, 122.0) == (seen[0], True)
+        assert said(window, 120.0, 122.0) == (seen[0], True), "it ran in"
+        assert said(window, 120.0, 122.05) == (seen[0], True), "a depth that is not steady is no new hole"
+        assert said(window, 122.0, 122.0) == (seen[0], True)
+        assert said(window, 122.1, 122.1) == (seen[0], False)
+    with Window("well-7") as window:  # started again
+        window.follow(live)
+        assert said(window, 122.2, 122.2) == (pytest.approx(seen[0], abs=0.3), False)
+    with Window("well-7") as window:
+        window.follow(live)
+        assert said(window, 119.0, 122.2)[1], "off bottom at the start"
+
+
+@pytest.mark.usefixtures("needs_page")
 @pytest.mark.parametrize(("units", "page"), [("metric", "mm"), ("fps", "ft")])
 def test_a_page_begins_with_the_units_of_the_rig(units, page):
     from helibore.cli.live_view import Window

@@ -582,21 +582,39 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         viewer.scene.update_state(ahead=ahead)
         screen.until(f"{digits}.startsWith('none')")
         viewer.scene.update_state(hole_depth=1044.0, newest=time.time())  # lifted for a connection
-        screen.until("window.__wall.app.radii.hole === 1044")
+        screen.until("window.__wall.app.holeDepth === 1044")
         screen.settle()
         assert screen.evaluate(digits).startswith("none"), "the string has just drilled that hole"
-        viewer.scene.update_state(hole_depth=1045.5, received=time.time())
+        viewer.scene.update_state(hole_depth=1045.5, seen_hole=1044.0, received=time.time())
         screen.until("window.__wall.app.received")
         screen.evaluate("window.__wall.app.newest -= 30")
         screen.settle()
         assert screen.evaluate(digits).startswith("none"), "the tool sends seldom"
-        screen.evaluate(
-            "window.__wall.app.radii.hole = 1043"
-        )  # 2.5 m drilled since the last radius: the sensor is blind
-        viewer.scene.update_state(hole_depth=1045.6)
-        screen.until(f"{digits}.startsWith('not known')")  # the sensor is blind
-        viewer.scene.update_state(hole_depth=1050.0, newest=time.time())  # lifted
+        viewer.scene.update_state(seen_hole=1043.0)  # 2.5 m drilled since the last radius: the sensor is blind
         screen.until(f"{digits}.startsWith('not known')")
+        screen.reload()
+        screen.until("window.__wall?.app?.zonesTo")
+        screen.until(f"!/^(|–|looking.*)$/.test({digits})")
+        assert screen.evaluate(digits).startswith("not known"), "the page remembers nothing"
+        viewer.scene.update_state(newest=float("nan"), received=time.time())  # nor does a server that was started again
+        screen.until("window.__wall.app.newest === null")
+        lamp = "document.getElementById('rigLamp').className"
+        screen.until(f"{lamp} === 'late' && {digits}.startsWith('not known')")
+        viewer.scene.update_state(hole_depth=1050.0, seen_hole=1050.0, newest=time.time())  # lifted
+        screen.until(f"{digits}.startsWith('not known')")
+        viewer.scene.update_state(hole_depth=1044.0, seen_hole=1044.0, received=time.time())
+        screen.until(f"{digits}.startsWith('none')")
+        unseen = (
+            "document.getElementById('rigWhereHead').textContent.includes('unseen hole')"  # of a page that is not stale
+        )
+        viewer.scene.update_state(tripped=True, received=time.time())
+        screen.until(
+            f"{digits}.startsWith('not known') && {unseen}"
+        )  # the string ran in, and no sensor passed that hole
+        viewer.scene.update_state(tripped=False, received=time.time())
+        screen.until(f"{digits}.startsWith('none')")
+        viewer.scene.update_state(ahead=ahead | {"moving": "up"}, received=time.time())
+        screen.until(f"{digits}.startsWith('not known') && {unseen}")  # bit and stabiliser pull through it
         screen.close()
 
 
@@ -704,7 +722,7 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         screen.until("window.__wall.app.newest === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
         assert screen.evaluate("Math.abs(window.__wall.app.received - Date.now() / 1000)") < 60
-        scene.update_state(hole_depth=1033.4, newest=time.time() - 15, received=time.time())
+        scene.update_state(hole_depth=1033.4, seen_hole=1033.4, newest=time.time() - 15, received=time.time())
         screen.until(f"{lamp} === 'live'")
         scene.update_state(hole_depth=1033.9, bit_depth=1033.9, received=time.time())  # drilled on, without a radius
         screen.until(f"{lamp} === 'late'")
@@ -808,7 +826,7 @@ def test_nothing_counts_from_a_depth_that_was_refused_or_corrected(browser: Any)
         assert screen.evaluate(said) == [short, short, f"Clearances not known: {short}", "Bit depth", short]
         scene.update_state(hole_depth=1020.0, received=time.time(), alarms=())
         screen.until(f"{lamp} === 'live' && !document.body.classList.contains('stale')")
-        scene.update_state(hole_depth=1029.5, bit_depth=1029.5, received=time.time())  # a step of both, no hole
+        scene.update_state(hole_depth=1029.5, bit_depth=1029.5, seen_hole=1029.5, received=time.time())
         screen.until("window.__wall.app.holeDepth === 1029.5")
         screen.settle()
         assert "drilled" not in screen.inner_text("#rigAgeMore")

@@ -9,7 +9,6 @@ import { zoneAt, zoneText } from './zones.js';
 const SLACK = 3; // seconds by which what a source sends may be later than usual
 const DRY = 10; // seconds without a radius, at least
 const [DRILLED, BLIND] = [0.1, 2]; // metres of hole drilled meanwhile: on bottom, and enough for the string to meet what nobody saw
-const CORRECTED = 1; // metres by which the depth of the hole changes at once if it is another depth of the same hole
 const LATE = 60; // seconds without a sample
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
@@ -33,18 +32,10 @@ export class Pace {
   /** @type {number | null} */
   last = null;
   usual = NaN;
-  /** @type {number | null} */
-  hole = null; // depth of the hole at the last arrival
-  /** @type {number | null} */
-  now = null; // the same at the last call
 
-  /** @param {number | null} received @param {number | null} [hole] */
-  note(received, hole = null) {
-    const by = (hole ?? NaN) - (this.now ?? NaN);
-    if (Math.abs(by) > CORRECTED) this.hole = (this.hole ?? NaN) + by; // nothing was drilled
-    this.now = hole;
+  /** @param {number | null} received */
+  note(received) {
     if (received === this.last) return;
-    this.hole = hole;
     const gap = Math.abs((received ?? NaN) - (this.last ?? NaN));
     if (Number.isFinite(gap)) this.usual = Number.isNaN(this.usual) ? gap : 0.8 * this.usual + 0.2 * Math.min(gap, 2 * this.usual); // one silence is not usual
     this.last = received;
@@ -59,13 +50,17 @@ const isLate = (of) => of.received !== null && silenceOf(of) > 2 * (of.pace.usua
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const silenceOf = (of) => (of.received === null ? ageOf(of) : Date.now() / 1000 - of.received);
 
-// Whether hole was drilled, and no radius has come since, for three times the usual time.
-/** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth'>} of @param {number} [least] metres of hole */
-export const isDry = (of, least = (of.holeDepth ?? NaN) - (of.bitDepth ?? NaN) < LIFTED ? DRILLED : BLIND) => ageOf(of) > Math.max(DRY, 3 * (of.radii?.usual || 0)) && (of.holeDepth ?? NaN) - (of.radii?.hole ?? NaN) > least;
+// Return how much hole was drilled that the sensor would have seen by now, metres; NaN if it is not known.
+/** @param {Pick<App, 'holeDepth' | 'seenHole'>} of */
+const missed = ({ holeDepth, seenHole }) => (holeDepth ?? NaN) - (seenHole ?? NaN);
+
+// Whether hole was drilled, and no radius has come since, for three times the usual time or, as far as the server knows, ever.
+/** @param {Pick<App, 'newest' | 'lastWrite' | 'radii' | 'bitDepth' | 'holeDepth' | 'seenHole'>} of */
+export const isDry = (of) => !(ageOf(of) <= Math.max(DRY, 3 * (of.radii?.usual || 0))) && missed(of) > ((of.holeDepth ?? NaN) - (of.bitDepth ?? NaN) < LIFTED ? DRILLED : BLIND);
 
 // Whether so much hole was drilled without a radius that the string may meet what nobody saw.
 /** @param {App} app */
-export const isBlind = (app) => isDry(app, BLIND);
+export const isBlind = (app) => missed(app) > BLIND;
 
 /** @param {Pick<App, 'newest' | 'received' | 'lastWrite'>} of */
 export const isSilent = (of) => silenceOf(of) > LATE;
@@ -101,7 +96,7 @@ function troubleOf({ alarms, lost }) {
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth, ahead }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth, seenHole, ahead }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -114,13 +109,13 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const fed = received !== null && !ended; // bytes came
   const silent = { received, newest, lastWrite, pace };
   const old = !ended && seconds > LATE;
-  const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth });
+  const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth, seenHole });
   const rests = ahead?.hangs && (holeDepth ?? NaN) - (bitDepth ?? NaN) > LIFTED; // then no radius is due
-  const drilled = isDead ? `no radius for ${showAge(seconds)}, ${showDepth((holeDepth ?? NaN) - (radii.hole ?? NaN), view.units, 1)} drilled` : '';
+  const drilled = isDead ? `no radius ${Number.isFinite(seconds) ? `for ${showAge(seconds)}` : 'since the start'}, ${showDepth(missed({ holeDepth, seenHole }), view.units, 1)} drilled` : '';
   const lastRadius = drilled || (old && !isSilent(silent) ? `${rests ? 'at rest, ' : ''}last radius ${showAge(seconds)} old` : '');
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), lastRadius || `${showAge(seconds)} old`);
-  else parts.push(fed ? 'no radius since the start' : 'not live');
+  else parts.push(drilled || (fed ? 'no radius since the start' : 'not live'));
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const late = isDead || (!ended && ((old && !lastRadius) || isLate(silent)));

@@ -49,6 +49,9 @@ export class App {
   /** @type {number | null} */
   holeDepth = null;
   /** @type {number | null} */
+  seenHole = null; // the hole depth when the sensor was at the end of the wall
+  tripped = false; // since hole was drilled
+  /** @type {number | null} */
   newest = null;
   /** @type {number | null} */
   received = null; // the last bytes from a source, by this machine's clock
@@ -215,8 +218,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo, limits, apart });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, seen_hole: seenHole = null, tripped = false, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo, limits, apart, seenHole, tripped });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew
@@ -234,7 +237,7 @@ export class App {
     this.holeDepth = hole;
     this.view.followUnits(units);
     this.pace.note(received);
-    this.radii.note(newest, hole);
+    this.radii.note(newest);
     [this.newest, this.received] = [newest, received].map((of) => (of === null ? null : of + (Date.now() / 1000 - now))); // from the server's clock to the clock of this machine
     this.ended = ended;
     this.openSaved();

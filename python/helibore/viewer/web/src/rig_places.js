@@ -94,10 +94,10 @@ export function shareSeen({ store: { levels: [level] } }, top, bottom) {
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
-// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got, unless the sensor is blind.
+// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got, unless the sensor is blind or the bit moves up through it.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
-  const { ahead, string, bit, holeDepth } = app;
+  const { ahead, string, bit, holeDepth, tripped } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   /** @type {(ends: Pair, met: Meeting | null) => FirstPlace[]} */
   const place = ([start, stop], met) => (met ? [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, ...met }] : []);
@@ -109,7 +109,7 @@ export function unseenAhead(app) {
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const [first, last] = app.store.span;
-  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND && !isBlind(app) ? last : Infinity;
+  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND && !tripped && ahead?.moving !== 'up' && !isBlind(app) ? last : Infinity;
   return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 

@@ -77,12 +77,13 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   const [long, short] = [9, 2].map((age) => words(1050, 0.1, { received: Date.now() / 1000 - age, newest: 0, pace })[0]);
   assert.deepEqual([long, short], ['late', 'live'], 'a source that sends every second is late after 9 s');
   const radii = new Pace();
-  for (const at of [100, 101, 102]) radii.note(at, 1050);
+  for (const at of [100, 101, 102]) radii.note(at);
   /** @param {number} age @param {number} bitDepth @param {number} holeDepth */
-  const without = (age, bitDepth, holeDepth) => words(bitDepth, 0.1, { radii, holeDepth, newest: Date.now() / 1000 - age, received: Date.now() / 1000 - 1 });
+  const without = (age, bitDepth, holeDepth) => words(bitDepth, 0.1, { radii, holeDepth, seenHole: 1050, newest: Date.now() / 1000 - age, received: Date.now() / 1000 - 1 });
   assert.deepEqual([without(12, 1051, 1051)[0], without(12, 1051, 1051)[2]], ['late', 'no radius for 12 s, 1.0 m drilled'], 'hole is drilled, and the caliper is dead');
   assert.deepEqual([without(9, 1051, 1051), without(12, 1040, 1051), without(12, 1050, 1050)].map(([colour]) => colour), ['live', 'live', 'live'], 'soon, off bottom, no new hole');
   assert.equal(without(12, 1040, 1053)[2], 'no radius for 12 s, 3.0 m drilled', 'off bottom, after hole that the string may meet unseen');
+  assert.deepEqual(words(1057, 0.1, { radii, holeDepth: 1057, seenHole: 1050, newest: null, received: Date.now() / 1000 - 1 }).filter((_, i) => i !== 1), ['late', 'no radius since the start, 7.0 m drilled'], 'a server that was started again');
   radii.usual = 50;
   assert.equal(without(59, 1051, 1051)[0], 'live', 'a tool that sends every 50 s');
   assert.deepEqual(words(1050, 0.1, { newest: null, received: Date.now() / 1000 - 2 }).slice(0, 2), ['live', 'no radius since the start · 0.0 m behind bit · wall 1000.0–1050.0 m'], 'a server that was started again');
