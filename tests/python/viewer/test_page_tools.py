@@ -1874,6 +1874,20 @@ def test_a_picture_of_a_long_section_shows_the_wall_and_not_its_overview(browser
         screen.close()
 
 
+def test_tracks_of_a_slide_are_drawn_from_the_wall_by_the_pixels_of_the_picture(browser: Any) -> None:
+    """Forty metres in 6 mm turns are fine on the page; the slide is laid out in fewer pixels, and has four to each."""
+    pieces = PIECES.replace("wallPieces", "imagePieces")
+    with hb.view(MadeWall(28 * 256 * 64, pitch=0.006), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1021&sec=44", (1600, 900), drawn=False)
+        screen.settle()
+        assert screen.evaluate(f"{pieces}(window.__wall.app.renderer.look())") == [28, 0]
+        screen.evaluate(LOOK_OF_SLIDE)
+        with screen.page.expect_download():
+            screen.click("#slide")
+        assert screen.evaluate(f"{pieces}(window.__look)") == [28, 0]
+        screen.close()
+
+
 def test_the_overview_is_drawn_round(browser: Any) -> None:
     """From the end of a straight hole its outline is a circle: eight cells around are no eight corners."""
     path = hb.Survey([970.0, 1200.0], [0.0, 0.0], [0.0, 0.0]).path(extend=100.0, reference="north")

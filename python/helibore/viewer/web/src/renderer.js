@@ -5,7 +5,7 @@ import { looked, toAddress } from './address.js';
 import { drawCaliper } from './caliper.js';
 import { fitRange, nearBit, Q_ATTRIBUTE, Q_NEAREST, quantityOf, valuesInView } from './color.js';
 import { drawColumn } from './column.js';
-import { sized } from './device.js';
+import { pixelRatio, sized } from './device.js';
 import { drawDips, drawLegend, tadpoles } from './dip_ink.js';
 import { heldPlane } from './dips.js';
 import { byId, hide, oncePerFrame, say, write } from './dom.js';
@@ -123,7 +123,7 @@ export class Renderer {
     const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
     const fine = turns / store.levels[0].rows <= this.mostTiles;
     const wallPieces = coverage(store, top, bottom, fine);
-    const imagePieces = turns <= 16 * rects.image.height ? wallPieces : coverage(store, top, bottom, false); // a pixel shows at most the mean of 16 turns
+    const imagePieces = turns <= 16 * rects.image.height * pixelRatio(byId('ink')) ? wallPieces : coverage(store, top, bottom, false); // a pixel shows at most the mean of 16 turns
     const now = seconds();
     /** @type {Look} */
     const made = {
