@@ -1860,16 +1860,21 @@ PIECES = """(({ store: { levels }, wallPieces }) =>
  levels.map((level) => wallPieces.filter(({ tile }) => tile.level === level).length))"""
 
 
+def pieces_of_slide(screen: Screen, pieces: str) -> Any:
+    """Save a slide, and return how many pieces its look has."""
+    screen.evaluate(LOOK_OF_SLIDE)
+    with screen.page.expect_download():
+        screen.click("#slide")
+    return screen.evaluate(f"{pieces}(window.__look)")
+
+
 def test_a_picture_of_a_long_section_shows_the_wall_and_not_its_overview(browser: Any) -> None:
     """A section of 80 tiles is drawn from the overview while it moves, whose cells are 45 degrees wide."""
     with hb.view(MadeWall(80 * 256 * 64, pitch=0.005), path=curved_path()) as viewer:
         screen = Screen(browser, viewer.url, "#md=1051&sec=101&camera=outside&tab=3d", drawn=False)
         screen.settle()
         assert screen.evaluate(f"{PIECES}(window.__wall.app.renderer.look())") == [0, 2]
-        screen.evaluate(LOOK_OF_SLIDE)
-        with screen.page.expect_download():
-            screen.click("#slide")
-        assert screen.evaluate(f"{PIECES}(window.__look)") == [80, 0]
+        assert pieces_of_slide(screen, PIECES) == [80, 0]
         assert screen.evaluate(f"{PIECES}(window.__wall.app.renderer.look())") == [0, 2], "the page as before"
         screen.close()
 
@@ -1881,10 +1886,7 @@ def test_tracks_of_a_slide_are_drawn_from_the_wall_by_the_pixels_of_the_picture(
         screen = Screen(browser, viewer.url, "#md=1021&sec=44", (1600, 900), drawn=False)
         screen.settle()
         assert screen.evaluate(f"{pieces}(window.__wall.app.renderer.look())") == [28, 0]
-        screen.evaluate(LOOK_OF_SLIDE)
-        with screen.page.expect_download():
-            screen.click("#slide")
-        assert screen.evaluate(f"{pieces}(window.__look)") == [28, 0]
+        assert pieces_of_slide(screen, pieces) == [28, 0]
         screen.close()
 
 
