@@ -312,9 +312,9 @@ holds the truth, %. Seed {first_seed}.
 
 Arms that never cross leave open how a shape turns along the hole: four arms see a breakout that turns by 5
 degrees a metre as one that turns the other way. The wall is then the mean of those that are likely. Where a hole
-changes along it, its stretches are found to a metre or two: four arms have 0.69 to 0.90 of the error of inverse
-distance in all, and up to 1.9 in single windows of 200 samples beside a change (seeds 7002, 7003, 9201, 9202).
-Where a breakout begins to turn, or turns back, arms do not show it: intervals held the truth in 57 to 87 % of
+changes along it, its stretches are found to a metre or two: four arms have 0.49 to 0.71 of the error of inverse
+distance, and five tools have up to 1.4 in single windows of 200 samples beside a change (seeds 7002, 7003, 9201,
+9202). Where a breakout begins to turn, or turns back, arms do not show it: intervals held the truth in 57 to 87 % of
 eight such holes. No method wins in every case; inverse distance, as published, is there by name.
 
 The least error of a linear estimate that knows the covariance of all such holes, and that of automatic, over tuned:
