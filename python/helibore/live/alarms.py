@@ -259,6 +259,7 @@ class Alarms:
         self._sampled = -(1 << 62)
         self._refused = {name: Refused(self._outcomes(name)) for name in live.configuration.sources}
         self._lacking: dict[str, int] = {}
+        self._rested: dict[str, int] = {}  # by source: when its tool last had a reason to be silent
         self.sampled: dict[str, int] = {}
         self._jumps = self._depth_jumps()
         self._held: dict[tuple[str, str], tuple[int, str]] = {}
@@ -376,12 +377,14 @@ class Alarms:
 
     def _of_sources(self, now: int) -> dict[tuple[str, str], str]:
         found = {}
-        ages = self._live.ages()
+        ages, resting = self._live.ages(), self._live.model.rig.pumps_may_be_off
         for name, source in self._live.configuration.sources.items():
             state = self._states[name]
             if state == "ended":
                 continue
-            if ages[name] > source.silence:
+            if resting and (source.caliper or source.images) and "bit_depth" not in source.rig:
+                self._rested[name] = now
+            if min(ages[name], (now - self._rested.get(name, -(1 << 62))) / SECOND) > source.silence:
                 found["no_data", name] = f"nothing has come for {source.silence:g} s"
             if is_connected(source, state):
                 self._connected[name] = now

@@ -37,6 +37,7 @@ from helibore.live.alarms import Alarm, Alarms
 from helibore.live.journal.journal import Journal
 from helibore.live.rules.configuration import parse
 from helibore.live.server import TICK
+from helibore.live.wire import wits
 
 HOST = WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\nsilence = 60.0\n'
 STATES = {"mwd": "connected to rig"}
@@ -77,6 +78,55 @@ def test_no_data_is_an_alarm_from_its_begin_to_its_end(golden):
     assert texts(live)["alarm_no_data"] == "nothing has come for 60 s"
     golden(texts(live)["alarm_no_data_end"])
     assert alarms.counts == {("no_data", "mwd"): 1}
+
+
+@pytest.mark.parametrize(
+    ("items", "alarms"),
+    [
+        ({108: 118, 120: 0}, False), ({108: 118}, False), ({108: 118, 107: 3, 120: 40}, False),
+        ({108: 118, 107: 9, 120: 0}, False), ({108: 120, 120: 0}, True), ({108: 118, 120: 60}, True),
+        ({108: 118, 107: 7, 120: 0}, True),
+    ],
+    ids=["off bottom", "turns?", "in slips", "tripped", "sliding", "backreamed", "circulating"],
+)  # fmt: skip
+def test_a_tool_may_be_silent_while_its_pumps_may_be_off(items, alarms):
+    rig = '[source.rig]\naddress = "host"\nunits = "metric"\nsilence = 60.0\n'
+    rig += 'items = { bit_depth = "0108", hole_depth = "0110", activity = "0107", rotation = "0120" }\n'
+    caliper = 'caliper = { toolface = ["5010"], radius = ["5012"], offset = 4.0 }\n'
+    live, clock, found = alarmed(HOST + caliper + rig, None, STATES | {"rig": "connected"})
+    for _ in range(9):
+        live.receive("rig", wits.frame([(110, "120"), *((item, str(value)) for item, value in items.items())]))
+        found.check()
+        clock.step(10)
+    found.check()
+    assert rules(found) == [("no_data", "mwd")] * alarms
+    live.receive("rig", wits.frame([(110, "120"), (108, "120"), (107, "2"), (120, "60")]))
+    clock.step(50)
+    found.check()
+    assert ("no_data", "mwd") not in rules(found) or alarms, "the tool is due from now on"
+    clock.step(20)
+    found.check()
+    assert rules(found)[-1] == ("no_data", "rig") or rules(found)[-1] == ("no_data", "mwd")
+    assert ("no_data", "mwd") in rules(found)
+
+
+def test_the_alarm_of_stuck_sensors_names_all_of_them_as_they_stop():
+    four = "caliper = { toolface = ['5010'], radius = ['5012', '5013', '5014', '5015'], "
+    live, clock, found = alarmed(
+        HOST
+        + 'items = { bit_depth = "0108" }\n'
+        + four
+        + "toolface_offset = [0.0, 90.0, 180.0, 270.0], offset = 4.0 }\n"
+    )
+    said = []
+    for row in range(900):
+        clock.step(1)
+        radii = [(5012 + one, f"{108 + one + (row < 600 + 10 * one) * 0.001 * (row % 97):.3f}") for one in range(4)]
+        live.receive("mwd", wits.frame([(5010, str(row * 37 % 360)), *radii]))
+        found.check()
+        said += [one.text.partition(" constant")[0] for one in found.active if one.rule == "stays"]
+    assert list(dict.fromkeys(said)) == ["radius 1", "radius 1, 2", "radius 1, 2, 3", "all radii"]
+    assert found.counts["stays", "mwd"] == 1
 
 
 def test_a_source_that_is_not_connected_is_lost_after_its_time_and_at_once_if_it_stopped():

@@ -34,6 +34,7 @@ DEEP_ENOUGH = 100.0
 
 RESTING = (3, 13, 14, 15, 16)
 """Activities (WITS item 0107) in which the string hangs in its slips: a connection, service, repair, a survey."""
+CIRCULATING, TRIPPING = 7, (8, 9)
 
 
 class QuantityHistory:
@@ -109,6 +110,16 @@ class RigHistory:
             return False
         return not hole.value[-1:] > self._latest("hole_depth", bit.order[-1:])
 
+    @property
+    def pumps_may_be_off(self) -> bool:
+        """Whether a tool that sends by mud pulses may be silent: the string hangs in its slips, is tripped or does not
+        turn off bottom, and does not circulate, by the latest values."""
+        activity, rotation = (self.tracks[name].value[-1:].tolist() for name in ("activity", "rotation"))
+        turns = bool(rotation) and rotation[0] >= self._rules.rotating
+        return bool(self._off_bottom.values[-1:].any()) and (
+            bool(activity and activity[0] in (*RESTING, *TRIPPING)) or not (turns or activity == [CIRCULATING])
+        )
+
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
         bit = self.tracks["bit_depth"]
@@ -124,7 +135,7 @@ class RigHistory:
         activity = self._latest("activity", order, time)
         kind = np.where(off, np.where(turning == 0, TRIP, RESCAN), DRILL)
         kind = np.where((activity == 4) | (activity == 5), REAM, kind)
-        kind = np.where((activity == 8) | (activity == 9), TRIP, kind)
+        kind = np.where(np.isin(activity, TRIPPING), TRIP, kind)
         reached = np.where(np.isnan(hole), -np.inf, np.maximum(hole, deepest))
         reached = np.maximum.accumulate(np.concatenate([[self._hole], reached]))[1:]
         self._hole = float(reached[-1])
