@@ -322,9 +322,17 @@ class Alarms:
             found["memory", ""] = "a record was set aside because the memory was full; a restart draws it"
         for (rule, source), text in found.items():
             self.begin(rule, text, source)
+        self._name_anew(self._live.model.watch.active.copy())
         for alarm in self.active:
             if alarm.rule != "failure" and (alarm.rule, alarm.source) not in found:
                 self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
+
+    def _name_anew(self, found: Mapping[tuple[str, str], str]) -> None:
+        """Give each alarm of the watch the latest text of its rule: more sensors may be stuck by now."""
+        with self._lock:
+            self._active |= {
+                key: replace(self._active[key], text=text) for key, text in found.items() if key in self._active
+            }
 
     def _of_ahead(self) -> dict[tuple[str, str], str]:
         """Return the text of the alarm ``tight_ahead``; at another place it ends, and begins with the next check."""

@@ -415,20 +415,25 @@ class Watch:
     def _take_channels(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
         assert frame.radius is not None
         assert frame.sensor is not None
-        many, depth = settings.sensors >= 2, self._depths(frame, settings)
+        many, depth, begins = settings.sensors >= 2, self._depths(frame, settings), False
         for sensor in distinct(frame.sensor).tolist() if many else [0]:
             channel = watch.channels.setdefault(sensor, WatchedChannel())
             of = (frame.sensor == sensor) | (not many)
-            equal = channel.take(frame.radius[of], depth[of])
-            key = "stays", frame.source
-            if equal:
-                name = f"radius {sensor + 1}" if many else "caliper"
-                since = f" since {channel.since:.0f} m" if channel.since == channel.since else ""
-                text = f"{name} constant{since}: {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that "
-                text += "is stuck, or a channel with few digits (caliper.radius)"
-                self._begin(frame, *key, text)
-            elif key in self.active and not any(each.lasts for each in watch.channels.values()):
-                del self.active[key]
+            begins |= channel.take(frame.radius[of], depth[of]) > 0
+        stuck = {sensor: channel for sensor, channel in sorted(watch.channels.items()) if channel.lasts}
+        if begins:
+            numbers = ", ".join(str(sensor + 1) for sensor in stuck)
+            which = "caliper" if not many else "all radii" if len(stuck) == settings.sensors else f"radius {numbers}"
+            since = min((of.since for of in stuck.values() if of.since == of.since), default=math.nan)
+            values = ", ".join(f"{1e3 * of.value:.2f}" for of in stuck.values())
+            times = min(of.equal for of in stuck.values())
+            text = (
+                f"{which} constant{f' since {since:.0f} m' if since == since else ''}: {values} mm, {times} times in a "
+            )
+            text += "row: stuck, or a channel with few digits (caliper.radius)"
+            self._begin(frame, "stays", frame.source, text)
+        elif not stuck:
+            self.active.pop(("stays", frame.source), None)
 
     def _take_sensors(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
         """Compare the medians of SENSORS samples of each sensor: while the string turns, all see the same wall."""
