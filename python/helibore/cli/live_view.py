@@ -118,6 +118,10 @@ class Window:
             self._begin()
         elif self._feed and (self._path_moved or self._path_stop < self._span()[1]):
             self._path_moved = False
+        if (apart := live.model.apart[live.model.main].values.size) != self._apart:
+            self._apart, self._newest = apart, time.time()
+            if self._feed:
+                self._feed.look_again()
             self._feed.set_path(self._path())
         self._show_images()
         self._show_channels()
@@ -226,7 +230,7 @@ class Window:
                 reference=reference,
                 alarmed=live.configuration.alarms.by_kind,
                 string=live.configuration.string,
-                was_stuck=lambda: live.model.was_stuck,
+                last_scan=live.model.last_scan,
             )
         except InputError:
             if len(live.wall) == len(values):

@@ -8,7 +8,7 @@ its bodies is rigid and straight, and between them it bends with the hole, as co
 stick in any hole that builds a degree. So each body has the clearance of `Wall.passage` in the straightened hole, in
 the part of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight,
 whatever lies between the samples, also where a telemetry tool measured only a few places of each turn. Of hole that was
-scanned again and has changed, the samples of the last scan count. What is not
+scanned again and has changed, the samples of the last scan count, whether the wall takes its pass or not. What is not
 said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
 
 Hole is tight where it is less than the bit by the limit, and where a body is likely too thick for it; each place has
@@ -36,7 +36,6 @@ from helibore.logs.turn_logs import LEAST_SAMPLED
 from helibore.logs.zone_criteria import Criteria
 from helibore.samples.helix import helix_of
 from helibore.settings.output_settings import RigidBody
-from helibore.wall.latest_pass import latest_pass
 from helibore.wall.state import WallState
 from helibore.wall.uncertainty import NORMAL_95
 from helibore.wall.wall_columns import NEAR_DEPTH
@@ -234,7 +233,8 @@ class Ahead:
         string = configuration.string or (RigidBody(size, limits.body, name="bit"),)
         length = max(body.position + body.length for body in string)
         top, bottom = bit - ahead - length, bit + ahead
-        known = id(wall), wall.settings, wall.sample_count, string, limits
+        apart = self._live.model.apart[self._live.model.main].values.size
+        known = id(wall), wall.settings, wall.sample_count, apart, string, limits
         if known == self._known and self._ends[0] <= top and bottom <= self._ends[1]:
             return
         more = min(ahead, MORE) if self._moves else 0.0
@@ -245,7 +245,7 @@ class Ahead:
             [max(0.0, min(body.diameter, size - least)) for body in string] for least in (tight, TRUENESS)
         )
         stretch, sigma = self._stretch(*self._ends, length), None
-        stretch = stretch and latest_pass(stretch, self._live.model.was_stuck)
+        stretch = stretch and self._live.model.last_scan(stretch)
         self._seen = [] if stretch is None else _seen(stretch)
         self._seen_to = self._ends[1] if max(helix_of(wall).ends(len(wall))) > self._ends[1] else math.inf
         if stretch is not None:

@@ -45,7 +45,6 @@ from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
 from helibore.viewer.scene import FRAME_STEP, MOST_POINTS, Attribute, History, PathFrames, Scene, WallShape
 from helibore.viewer.texels import NORMAL_95, Vertices
-from helibore.wall.latest_pass import latest_pass
 
 CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
@@ -88,14 +87,14 @@ class Feed:
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
         scene: Scene | None = None, reference: Reference | None = None, criteria: Criteria | None = None,
         alarmed: Mapping[str, float] | None = None, string: Sequence[RigidBody] = (),
-        was_stuck: Callable[[], bool] | None = None,
+        last_scan: Callable[[Any], Any] | None = None,
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         self._criteria = criteria  # of zones; None: the defaults of `Wall.zones`
         self._string = tuple(string)  # rigid bodies whose clearance the page shows
-        self._was_stuck = was_stuck  # of a live wall, whether its tool ever was; each place is shown by its last scan
+        self._last_scan = last_scan  # of a live wall: it by the last scan of each place, as which it is shown
         self._redrawn: tuple[Mask, Any] | None = None  # vertices so shown, and the wall that has their values
         self._alarmed = alarmed or {}  # by kind: the limit of median diameter - bit beyond which turns are zones, too
         if len(wall) == 0:
@@ -171,6 +170,10 @@ class Feed:
                 self._ranges = union([*self._ranges, part], MOST_PENDING)
             self._settled = int(settled) - first
             self._changed.notify_all()
+
+    def look_again(self) -> None:
+        """Find zones and clearances again: ``last_scan`` has other samples, though the wall has not changed."""
+        self._grown.set()
 
     def set_path(self, path: Path | None) -> None:
         """Place the wall along another path; pages receive the frames of the path, but not the wall again."""
@@ -295,8 +298,8 @@ class Feed:
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
         wall: Any = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
-        if self._was_stuck is not None:
-            wall = self._last_scan(wall, self._was_stuck())
+        if self._last_scan is not None:
+            wall = self._show_last_scan(wall, self._last_scan(wall))
         with self._finding:
             found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
@@ -325,9 +328,9 @@ class Feed:
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
-    def _last_scan(self, wall: Any, was_stuck: bool) -> Any:
-        """Return the wall by the last scan of each place, and show the vertices that have other values by it."""
-        before, last = self._redrawn, latest_pass(wall, was_stuck)
+    def _show_last_scan(self, wall: Any, last: Any) -> Any:
+        """Show the vertices that have other values by the last scan of each place; return the wall by it."""
+        before = self._redrawn
         differs = _unequal(last.radius, wall.radius)
         self._redrawn = (differs, last) if differs.any() else None
         changed = differs.copy()

@@ -1,11 +1,13 @@
 """The wall as the last pass saw it: of hole that was scanned again and has changed, without the samples of before.
 
-    samples -> row of 0.25 m -> its passes: the tool turned back, or came back -> median of the changes by direction
+    samples, also of passes that the wall does not take
+            -> row of 0.25 m -> its passes: the tool turned back, or came back -> median of the changes by direction
                                     |-> 1 mm and 3 standard errors: what the latest pass saw again is left out
     radii in order of time -> one value 50 times in a row: the tool was stuck, and has measured nothing
 
-A wall takes all samples. Where a hole was reamed between two passes, its radii lie between the sizes that both saw, and
-a stuck tool makes hole of one size. So whoever says what passes now reads this.
+A wall takes all samples of its passes. Where a hole was reamed between two passes, its radii lie between the sizes that
+both saw, a reaming pass may have seen what the wall has not, and a stuck tool makes hole of one size. So whoever says
+what passes now reads this.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, Mask, joined, runs_of
+from helibore.base.arrays import Floats, Integers, Mask, Rows, joined, runs_of
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
 from helibore.wall.state import WallState
@@ -32,33 +34,44 @@ STUCK, STUCK_ROUNDED, ROUNDED = 50, 600, 0.2
 """Equal radii in a row; the same if more than ROUNDED of all others repeat the one before, as rounded values do."""
 BESIDE, AROUND = 1.0, 4.0
 """Metres from a sample that is left out within which the wall is drawn again, and within which samples count for it."""
+SAMPLE = np.dtype([(name, np.float64) for name in ("depth", "toolface", "radius", "time")])
+"""A sample of a pass that the wall does not take: metres, degrees, and the time as in the wall."""
 
 
-def latest_pass(wall: WallState, was_stuck: bool = False) -> WallState:
+def latest_pass(wall: WallState, was_stuck: bool = False, apart: Rows | None = None) -> WallState:
     """Return a wall whose samples have times without those of before the latest pass; of a stuck tool, if it ever was.
 
-    Hole that is made up may have one radius, so only who watched the tool says that it ``was_stuck``.
+    Hole that is made up may have one radius, so only who watched the tool says that it ``was_stuck``. ``apart``:
+    samples (`SAMPLE`) of passes that the wall does not take, which count as its own.
     """
     if len(wall.sample_columns) < 4 or not wall.sample_columns[0].size:
         return wall
-    left_out = superseded(*wall.sample_columns)
+    K, helix, columns = wall.settings.sectors, whole_helix(wall), wall.sample_columns
+    added = np.zeros(columns[0].size, bool)
+    if apart is not None and apart.size:
+        top, bottom = helix.ends(wall.radius.size)
+        apart = apart[(apart["depth"] > top) & (apart["depth"] < bottom)]
+        both = [np.concatenate([own, apart[name]]) for own, name in zip(columns, SAMPLE.names or (), strict=True)]
+        order = np.argsort(both[0], kind="stable")
+        columns, added = tuple(of[order] for of in both), order >= added.size
+    left_out = superseded(*columns)
     if was_stuck:
-        left_out |= stuck(*wall.sample_columns)
-    if not left_out.any():
+        left_out |= stuck(*columns)
+    moves = left_out != added
+    if not moves.any():
         return wall
-    kept = tuple(column[~left_out] for column in wall.sample_columns)
-    columns: list[Any] = [wall.radius, wall.nearest, wall.support, wall.iterations, *wall.sums]
-    drawn = [column.copy() for column in columns]
-    K, helix = wall.settings.sectors, whole_helix(wall)
-    turns = np.floor((wall.sample_columns[0][left_out] - helix.start_depth) / helix.pitch).astype(np.int64)
+    kept = tuple(column[~left_out] for column in columns)
+    values: list[Any] = [wall.radius, wall.nearest, wall.support, wall.iterations, *wall.sums]
+    drawn = [column.copy() for column in values]
+    turns = np.floor((columns[0][moves] - helix.start_depth) / helix.pitch).astype(np.int64)
     beside, most = round(BESIDE / abs(helix.pitch)), wall.radius.size // K
     marks = np.zeros(max(most, 1), bool)
     marks[np.clip(turns, 0, most - 1)] = True
     for first, stop in joined(runs_of(marks), 2 * beside):
         first, stop = max(0, first - beside), min(most, stop + beside)
         part = _drawn_again(wall, kept, first, stop)
-        for column, values in zip(drawn, part, strict=True):
-            column[K * first : K * stop] = values
+        for column, again in zip(drawn, part, strict=True):
+            column[K * first : K * stop] = again
     radius, nearest, support, iterations, *sums = drawn
     ends = {"start_depth": helix.start_depth, "stop_depth": None, "stop_vertex": helix.first + wall.radius.size}
     settings = Settings(**(vars(wall.settings) | ends))  # whoever draws it again has as many vertices

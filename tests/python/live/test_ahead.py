@@ -242,6 +242,32 @@ def test_reamed_hole_is_as_tight_as_the_last_scan_of_it():
     assert len(trip.alarms.ahead.outlook.up.places) == 1
 
 
+@pytest.mark.parametrize("layers", ["", '[layers]\nream = ["ream"]\n'], ids=["no layer takes it", "its own layer"])
+def test_what_a_reaming_pass_saw_is_named_though_the_wall_does_not_take_it(layers):
+    caliper = '[source.mwd]\naddress = "host"\nunits = "metric"\n'
+    caliper += 'caliper = { toolface = ["5010"], radius = ["5012"], offset = 4.0 }\n'
+    rig = RIG.replace("items = {", 'items = { activity = "0107",')
+    trip = Trip.__new__(Trip)
+    trip.clock = Clock()
+    trip.live = Live(parse(f"{WALL}[alarms]\ntight = 0.006\n{rig}{layers}{caliper}"), clock=trip.clock)
+    trip.alarms = Alarms(trip.live, {"rig": "connected", "mwd": "connected"})
+    for row in range(4000):
+        drills, at = row < 2500, row % 2500
+        bit = 110.0 + 0.008 * at if drills else 130.0 - 0.008 * at
+        size = 103.0 if not drills and 119 < bit - 4 < 121 else 109.0
+        trip.clock.step(0.5)
+        hole, activity = (bit, 2) if drills else (130.0, 4)
+        trip.live.receive("rig", wits.frame([(107, str(activity)), (108, f"{bit:.3f}"), (110, f"{hole:.3f}")]))
+        trip.live.receive("mwd", wits.frame([(5010, f"{row * 37 % 360}"), (5012, f"{size + row % 97 / 1000:.3f}")]))
+    wall = trip.live.wall
+    assert wall.radius[(wall.depth > 119.5) & (wall.depth < 120.5)].min() > 0.1085
+    for bit in (127.0, 126.0):
+        trip.to(bit)
+    (place,) = trip.alarms.ahead.outlook.up.places
+    assert place[:3] == pytest.approx((119, 121, 0.206), abs=0.2)
+    assert place.passes == pytest.approx(0.206, abs=3e-4)
+
+
 def test_hole_that_is_two_millimetres_too_narrow_for_the_bit_is_named():
     """By less than the limit of the alarm, and in a wall that does not keep what its uncertainty follows from."""
     trip = Trip()

@@ -96,6 +96,7 @@ def outcome(live: Live) -> dict[str, object]:
         "lost": [[watch.lost for watch in reader.watches.values()] for reader in model.readers.values()],
         "bytes": [reader.total("bytes") for reader in model.readers.values()],
         "lines": [reader.total("lines") for reader in model.readers.values()], "waiting": model.waiting,
+        "apart": {name: sorted(of.values.tolist()) for name, of in model.apart.items()},
     }  # fmt: skip
     return found
 
@@ -140,6 +141,7 @@ def test_a_restart_from_a_checkpoint_has_the_bits_of_the_whole_journal(tmp_path_
     again = opened(folder, clock)
     assert again.journal is not None
     assert_same(again, Live.replay(folder, CONFIGURATION))
+    assert sum(cuts) < 60 or again.model.apart["main"].values.size
     play(again, clock, draw, 30, first)
     again.journal.close()
     assert_same(again, Live.replay(folder, CONFIGURATION))

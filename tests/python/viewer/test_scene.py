@@ -38,6 +38,7 @@ from helibore.viewer.texels import (
     pack_vertices,
     radius_of,
 )
+from helibore.wall.latest_pass import latest_pass
 
 K = 8
 SHAPE = WallShape(
@@ -421,7 +422,7 @@ def test_a_live_page_shows_reamed_hole_by_its_last_scan() -> None:
     narrow = abs(depth - 2006) < 1
     wall = hb.Wall(bit_diameter=0.216, start_depth=2000.0, max_distance=0.5)
     wall.append(depth, depth * 9000 % 360, np.where(narrow, 0.103, 0.1085), depth - 2000)
-    feed = Feed(wall, path=None, attributes={}, well="", was_stuck=lambda: False)
+    feed = Feed(wall, path=None, attributes={}, well="", last_scan=latest_pass)
     feed._find_zones()
     assert feed._ranges == [], "nothing was scanned again"
     again = abs(depth - 2006) < 2

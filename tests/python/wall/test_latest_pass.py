@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.wall.latest_pass import latest_pass, superseded
+from helibore.wall.latest_pass import SAMPLE, latest_pass, superseded
 
 BIT = 0.216
 REAMED = (1010.0, 1011.5)
@@ -67,6 +67,23 @@ def test_a_wall_without_its_sums_has_an_uncertainty_of_as_many_vertices():
     last = latest_pass(wall._state())
     assert last.sample_columns[0].size < wall.sample_count
     assert last.sigma.size == len(wall)
+
+
+def test_what_a_pass_measured_that_the_wall_does_not_take_counts_until_the_next_pass():
+    wall = drawn(scan(1000, 1020, 0.0, 0.217, 1))._state()
+    reamed = np.rec.fromarrays([of[::-1] for of in scan(1009, 1012, 100.0, 0.204, 2)], dtype=SAMPLE)
+    last = latest_pass(wall, apart=reamed)
+    assert last.sample_columns[0].tolist() == sorted(last.sample_columns[0].tolist())
+    depth = last.start_depth + np.arange(last.radius.size) * last.settings.pitch / last.settings.sectors
+    inside, away = (depth > REAMED[0] + 0.2) & (depth < REAMED[1] - 0.2), abs(depth - 1010.5) > 3
+    assert 2 * np.median(last.radius[inside]) == pytest.approx(0.204, abs=2e-4)
+    assert np.array_equal(last.radius[away], wall.radius[away])
+    again = drawn(scan(1000, 1020, 0.0, 0.217, 1), scan(1009, 1012, 200.0, 0.216, 3))._state()
+    later = latest_pass(again, apart=reamed)
+    assert 2 * np.median(later.radius[inside]) == pytest.approx(0.216, abs=5e-4), "reamed since"
+    elsewhere = reamed.copy()
+    elsewhere["depth"] += 100
+    assert latest_pass(wall, apart=elsewhere) is wall
 
 
 def test_a_few_samples_of_one_side_supersede_nothing():

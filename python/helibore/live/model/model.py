@@ -33,6 +33,7 @@ from helibore.live.model.depth import RigHistory
 from helibore.live.model.depth_jumps import CONFIRMED_WITHIN, HeldSample
 from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.model.fits import LayerFits, fits_of, read_fit
+from helibore.live.model.growing_array import GrowingArray
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
@@ -48,6 +49,7 @@ from helibore.live.rules.pass_rules import PASSES, layer_of
 from helibore.live.rules.sources import Source
 from helibore.samples.caliper import LARGEST_RADIUS
 from helibore.trajectory.survey import Path
+from helibore.wall.latest_pass import SAMPLE, latest_pass
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
@@ -57,6 +59,8 @@ MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
 AFTER_FRAMES = (1 << 20) - 1
 """The place of a record of bytes among its frames."""
+APART = "passes apart"
+"""What stands in the place of a layer's name for the samples that the layer ``main`` does not take."""
 UNUSABLE = Flag.NULL | Flag.INVALID | Flag.DUPLICATE | Flag.LATE
 """Flags of triples that the watch does not take."""
 USABLE, OUTSIDE = "usable", "outside"
@@ -74,6 +78,8 @@ class Model:
         Name of the layer ``main`` in the hole that is drilled now.
     left
         Stations of the other holes, by the name of their layer ``main``.
+    apart
+        The samples of passes that ``layers[main]`` does not take, in order of arrival, by the name of this layer.
     images, stations
         The rows of each image by its name; the survey stations.
     layouts
@@ -111,7 +117,7 @@ class Model:
         "fits", "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
         "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
-        "channels", "left",
+        "channels", "left", "apart",
     )  # fmt: skip
 
     def __init__(
@@ -150,6 +156,7 @@ class Model:
         self._pending = np.empty(0, ROW)
         self._held_rows: dict[int, Floats] = {}
         self._next_row = 0
+        self.apart = {self.main: GrowingArray(SAMPLE)}
         self._session = ""
         self.out_of_memory = False
         self._longest_latency = 0
@@ -160,7 +167,7 @@ class Model:
         self.watch = Watch(self._watched)
         self.channels = RigChannels(self._watched)
         self._frames: list[Frame] = []
-        self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in self.layers}
+        self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in (*self.layers, APART)}
         self._set_limits()
 
     @property
@@ -212,6 +219,10 @@ class Model:
     def was_stuck(self) -> bool:
         """Whether a caliper has sent one radius again and again."""
         return any(rule == "stays" for _, rule in self.events.counts)
+
+    def last_scan(self, wall: WallState) -> WallState:
+        """Return the wall of the layer ``main``, or a part of it, as the last pass of any kind saw it."""
+        return latest_pass(wall, self.was_stuck, self.apart[self.main].values)
 
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
         """Read records in order and return what changed; any grouping of the same records gives the same walls."""
@@ -363,6 +374,11 @@ class Model:
             if hole.kickoff is not None:
                 columns = self.stations.columns
                 stations.columns = tuple(column[columns[0] <= hole.kickoff] for column in columns)
+        if names["main"] not in self.apart:
+            seen, apart = self.apart[self.main].values, GrowingArray(SAMPLE)
+            if hole.kickoff is not None:
+                apart.append(seen[seen["depth"] <= hole.kickoff])
+            self.apart, self._cell_counts[APART] = {**self.apart, names["main"]: apart}, {}
         self.stations, self._drawn_layers, self.main = stations, names, names["main"]
         self.watch.begin_hole(hole.kickoff)
         self.rig.begin_hole()
@@ -678,6 +694,13 @@ class Model:
         for name, count in zip(PASSES, np.bincount(kind, minlength=len(PASSES)).tolist(), strict=True):
             self.counts[f"pass {name}"] += count
         time = (rows["time"] - self.clock.began) / SECOND
+        apart = ~self._takes[self.main].chosen(kind, rows["number"])
+        if apart.any():
+            self._leave_out_crowded(APART, rows, depth, apart)
+            kept = np.empty(np.count_nonzero(apart), SAMPLE)
+            for name, column in zip(SAMPLE.names or (), (depth, rows["toolface"], rows["radius"], time), strict=True):
+                kept[name] = column[apart]
+            self.apart[self.main].append(kept)
         drawn = np.zeros(len(rows), bool)
         gaps, outside = [], []
         for name in self._drawn_layers.values():
