@@ -70,7 +70,7 @@ class Window:
 
         check_page()
         self.scene = Scene()
-        self.scene.update_state(sources="Reading the journal.")
+        self.scene.update_state(sources="Reading the journal.", tripped=True)  # as far as is known
         self._server = PageServer(self.scene, access or Access(), port=port)
         self.url, self.connections = self._server.url, self._server.connections
         self._well = well

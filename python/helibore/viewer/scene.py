@@ -166,7 +166,9 @@ class RunState:
     bit_depth: float = math.nan  # metres; NaN: not known
     hole_depth: float = math.nan  # metres; NaN: not known
     seen_hole: float = math.nan  # the hole depth when the sensor was at the end of the wall, metres; NaN: not known
-    tripped: bool = False  # whether the bit was farther off bottom than for a connection since hole was drilled
+    tripped: bool = (
+        False  # whether the bit may have been farther off bottom than for a connection since hole was drilled
+    )
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
     received: float = math.nan  # time of the last bit depth, without one of the last bytes; NaN: not known
     ended: bool = False

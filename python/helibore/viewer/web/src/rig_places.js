@@ -16,7 +16,6 @@ export const WAYS = ['up', 'down'];
 export const UNSEEN = 'unseen hole';
 export const NOW = 0.05; // metres: so near is here
 const LEAST_UNSEEN = 0.5; // metres
-const STAND = 10; // metres off bottom up to which the string is in hole that it has just drilled
 export const LATE = 2; // metres of new wall that the server may not have searched yet
 export const BY = 0.25; // metres from one turn that is looked at to the next
 export const TRUENESS = 0.0015; // metres by which a body sticks at least, as on the server
@@ -94,10 +93,10 @@ export function shareSeen({ store: { levels: [level] } }, top, bottom) {
 }
 
 // Return the hole not seen that the bodies of the string enter on the ways that the bit may take, from what is entered first. That above the wall does
-// not count and, while hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got, unless the sensor is blind or the bit moves up through it.
+// not count. While hole is drilled or the bit is lifted for a connection, that between sensor and bit and what the wall has just got is fresh, unless the sensor is blind; it counts only if the bit moves up through it.
 /** @param {App} app @returns {FirstPlace[]} */
 export function unseenAhead(app) {
-  const { ahead, string, bit, holeDepth, tripped } = app;
+  const { ahead, string, bit, tripped } = app;
   const { bodies = [], hanging = [] } = string ?? {};
   /** @type {(ends: Pair, met: Meeting | null) => FirstPlace[]} */
   const place = ([start, stop], met) => (met ? [{ start, stop, measure: NaN, zone: null, sure: NaN, tight: false, ...met }] : []);
@@ -109,8 +108,9 @@ export function unseenAhead(app) {
     }))
     : unseenIn(app).flatMap(([start, stop]) => place([start, stop], meeting(app, { start, stop })));
   const [first, last] = app.store.span;
-  const end = (holeDepth ?? NaN) - (bit ?? NaN) < STAND && !tripped && ahead?.moving !== 'up' && !isBlind(app) ? last : Infinity;
-  return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end) })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
+  const drilled = tripped || isBlind(app) ? Infinity : last; // below it, hole is fresh
+  const end = ahead?.moving === 'up' ? Infinity : drilled;
+  return found.map((of) => ({ ...of, start: Math.max(of.start, first), stop: Math.min(of.stop, end), fresh: of.start > drilled - LATE })).filter(({ start, stop }) => start < end - LATE && stop - start > LEAST_UNSEEN / 2).sort((a, b) => a.left - b.left);
 }
 
 // Return the zone beyond reach in which the string may stick that it meets next on the ways that the bit may take.

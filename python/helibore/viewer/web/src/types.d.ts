@@ -122,7 +122,7 @@ interface TightAhead { places: TightPlace[] } // from that which the string meet
 interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; hangs?: boolean; unseen?: (Pair | null)[][] }
 type Way = 'up' | 'down';
 interface Meeting { left: number; first: string; way: Way }
-interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; may?: boolean; within?: number; most?: boolean } // left: metres until `first` meets it
+interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; may?: boolean; within?: number; most?: boolean; fresh?: boolean } // left: metres until `first` meets it
 interface State {
   channels?: number; ahead?: Outlook | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; seen_hole?: number | null; tripped?: boolean; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
