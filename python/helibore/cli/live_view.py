@@ -27,7 +27,6 @@ from helibore.live.ahead import Outlook
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.model.update import Update
-from helibore.live.rules.pass_rules import PASSES
 from helibore.logs.curves import ScalarCurve
 from helibore.samples.helix import helix_of
 
@@ -46,8 +45,6 @@ CHANNELS_SECONDS, PICTURE_SECONDS = 5.0, 1.0
 """Seconds between two updates of the curves of the rig's channels, and of their picture."""
 SILENT_SECONDS = 5
 """Seconds after which the picture of the channels is drawn anew although nothing comes: its gap grows."""
-APART_SECONDS = 30.0
-"""Seconds for which the page says that radii came of a pass that the wall does not take."""
 STAND = 10.0
 """Metres off bottom up to which the bit is lifted for a connection."""
 CORRECTED = 1.0
@@ -82,7 +79,9 @@ class Window:
         self._hole, self._tripped = math.nan, False
         self._newest: float | None = None
         self._newest_bit: list[int] = []  # the number of the frame of the newest bit depth
-        self._apart: dict[str, tuple[int, float]] = {}  # by pass that the wall does not take: samples, and since when
+        self._apart = 0  # samples of passes that the wall does not take
+        self._used = self._stood = 0  # samples that were used, and of a string that did not turn
+        self._unused = ""
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = self._channels_due = self._curves_due = 0.0
@@ -118,11 +117,11 @@ class Window:
             self._begin()
         elif self._feed and (self._path_moved or self._path_stop < self._span()[1]):
             self._path_moved = False
+            self._feed.set_path(self._path())
         if (apart := live.model.apart[live.model.main].values.size) != self._apart:
             self._apart, self._newest = apart, time.time()
             if self._feed:
                 self._feed.look_again()
-            self._feed.set_path(self._path())
         self._show_images()
         self._show_channels()
         known: dict[str, Any] = {} if self._newest is None else {"newest": self._newest}
@@ -148,7 +147,7 @@ class Window:
         fed = [sources[name] for name in bits] or list(sources.values())
         known["units"] = "ft" if fed and fed[0].units == "fps" else "mm"
         known["alarms"] = tuple(alarm.said(named=len(sources) > 1) for alarm in alarms)
-        self.scene.update_state(**known, sources=text, apart=self._kept_apart(), lost=lost,
+        self.scene.update_state(**known, sources=text, unused=self._why_unused(), lost=lost,
                                 ahead=asdict(ahead) if ahead else None)  # fmt: skip
 
     def _follow_hole(self, bit: float, hole: float) -> dict[str, Any]:
@@ -173,14 +172,15 @@ class Window:
             self._end = end
         return {"tripped": self._tripped, "seen_hole": self._end + self._lead}
 
-    def _kept_apart(self) -> str:
-        """Return the passes that the wall does not take and of which radii come, such as "ream, trip"."""
-        counts, taken, now = self._live.model.counts, self._live.configuration.layers["main"], time.monotonic()
-        for name in set(PASSES) - set(taken):
-            before = self._apart.setdefault(name, (counts[f"pass {name}"], -math.inf))
-            if counts[f"pass {name}"] > before[0]:
-                self._apart[name] = counts[f"pass {name}"], now
-        return ", ".join(sorted(name for name, (_, since) in self._apart.items() if now - since < APART_SECONDS))
+    def _why_unused(self) -> str:
+        """Return why the radii that come are not used: the string does not turn; "" if the latest are, or none came."""
+        model, before = self._live.model, (self._used, self._stood)
+        self._used, self._stood = model.counts["drawn"] + self._apart, model.counts["flag NOT_ROTATING"]
+        if self._stood > before[1]:
+            self._unused = f"{'sliding' if model.rig.on_bottom else 'not turning'}: radii not used"
+        elif self._used > before[0]:
+            self._unused = ""
+        return self._unused
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all its threads are running."""

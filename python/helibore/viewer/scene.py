@@ -193,7 +193,7 @@ class RunState:
     string: Mapping[str, Any] | None = None
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
-    apart: str = ""  # passes of which radii come and the wall takes none, such as "ream"
+    unused: str = ""  # why radii that come are not used, in words
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
     channels: int = 0  # version of the picture of the rig's channels; 0: there are none
     # What is tight above and below the bit, a `helibore.live.ahead.Outlook`; None: it is not looked for.

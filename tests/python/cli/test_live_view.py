@@ -94,30 +94,36 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
 
 
 @pytest.mark.usefixtures("needs_page")
-def test_the_page_knows_that_radii_come_of_a_pass_that_the_wall_does_not_take(monkeypatch):
-    from helibore.cli import live_view
+def test_the_page_knows_why_radii_are_not_used_and_shows_those_of_a_reaming_pass():
+    from helibore.cli.live_view import Window
 
-    with live_view.Window("well-7") as window:
-        live = hb.Live(parse(HOST))
+    caliper = 'caliper = { toolface = ["5010"], radius = ["5020"], offset = 2.0 }\n'
+    rig = 'items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120", activity = "0107" }\n'
+    clock = Clock()
+    live = hb.Live(parse(f'{WALL}[source.rig]\naddress = "host"\nunits = "metric"\n{rig}{caliper}'), clock=clock)
+
+    def said(window: Window, bit: float, hole: float, rpm: int, activity: int = 2) -> str:
+        for turn in range(20):
+            clock.step(0.1)
+            items = [(107, str(activity)), (108, f"{bit + turn / 100:.2f}"), (110, f"{hole:.2f}"), (120, str(rpm))]
+            window.show(live.receive("rig", wits.frame([*items, (5010, str(turn * 37 % 360)), (5020, "108")])))
+        window.refresh({})
+        return window.scene.state.unused
+
+    with Window("well-7") as window:
         window.follow(live)
-        window.show(pushed(live, 100.0))
+        for tenth in range(1030, 1080, 2):
+            assert said(window, tenth / 10, tenth / 10 + 0.2, 90) == ""
+        newest = window.scene.state.newest
+        assert said(window, 108.0, 108.2, 0) == "sliding: radii not used"
         window.refresh({})
-        assert window.scene.state.apart == ""
-        live.model.counts |= {"pass ream": 30, "pass drill": 400}
-        window.refresh({})
-        assert window.scene.state.apart == "ream"
-        monkeypatch.setattr(live_view, "APART_SECONDS", 0.0)
-        window.refresh({})
-        assert window.scene.state.apart == "", "no more of them came"
-        monkeypatch.setattr(live_view, "APART_SECONDS", 30.0)
-        taken = hb.Live(parse(HOST + '[layers]\nmain = ["drill", "ream", "rescan"]\n'))
-        window.follow(taken)
-        taken.model.counts |= {"pass ream": 900}
-        window._apart.clear()
-        window.refresh({})
-        taken.model.counts |= {"pass ream": 990}
-        window.refresh({})
-        assert window.scene.state.apart == ""
+        assert window.scene.state.unused == "sliding: radii not used", "none came since"
+        assert said(window, 105.0, 108.2, 0) == "not turning: radii not used"
+        assert window.scene.state.newest == newest
+        assert said(window, 104.0, 108.2, 60, activity=4) == ""
+        assert live.model.apart["main"].values.size > 0
+        assert window.scene.state.newest > newest, "a reaming pass is shown"
+        assert said(window, 108.2, 108.4, 90) == ""
 
 
 @pytest.mark.usefixtures("needs_page")

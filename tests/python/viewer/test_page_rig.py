@@ -300,7 +300,7 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
     down = {"places": (place,)}
     ahead = {"up": None, "down": None, "bodies": ((None, None),) * 2, "moving": "down"}
     gap = ((None, (1015.0, 1020.0)), (None, (1015.0, 1021.0)))
-    state = {"bit_depth": 1010.0, "hole_depth": 1040.0, "newest": time.time(), "string": string}
+    state = {"bit_depth": 1010.0, "hole_depth": 1040.0, "tripped": True, "newest": time.time(), "string": string}
     with hb.view(MadeWall(20_000)) as viewer:
         scene, digits = viewer.scene, "document.getElementById('rigWorst').textContent"
         scene.update_state(**state, ahead=ahead | {"unseen": gap})
@@ -344,9 +344,8 @@ def test_what_is_said_of_the_way_ahead_ends_where_a_body_enters_unseen_hole(brow
         of_bodies = "1020 m (body d), 1021 m (body c), 1022 m (body b), 1026 m (body a)"
         assert screen.inner_text("#rigBodies") == f"Hole not measured at {of_bodies}"
         assert screen.evaluate(CROSSED) == [], "all are on the screen"
-        scene.update_state(
-            bit_depth=1034.0, hole_depth=1034.0, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2}
-        )
+        drilled = {"bit_depth": 1034.0, "hole_depth": 1034.0, "tripped": False}
+        scene.update_state(**drilled, ahead=ahead | {"unseen": ((None, (1031.0, 1034.0)),) * 2})
         screen.until(f"{digits}.startsWith('none')")  # drilled, and the sensor follows
         screen.close()
 
@@ -600,21 +599,26 @@ def test_while_drilling_hole_below_the_sensor_is_not_said_to_be_unseen(browser: 
         screen.until("window.__wall.app.newest === null")
         lamp = "document.getElementById('rigLamp').className"
         screen.until(f"{lamp} === 'late' && {digits}.startsWith('not known')")
-        viewer.scene.update_state(hole_depth=1050.0, seen_hole=1050.0, newest=time.time())  # lifted
-        screen.until(f"{digits}.startsWith('not known')")
-        viewer.scene.update_state(hole_depth=1044.0, seen_hole=1044.0, received=time.time())
-        screen.until(f"{digits}.startsWith('none')")
-        unseen = (
-            "document.getElementById('rigWhereHead').textContent.includes('unseen hole')"  # of a page that is not stale
-        )
-        viewer.scene.update_state(tripped=True, received=time.time())
-        screen.until(
-            f"{digits}.startsWith('not known') && {unseen}"
-        )  # the string ran in, and no sensor passed that hole
-        viewer.scene.update_state(tripped=False, received=time.time())
-        screen.until(f"{digits}.startsWith('none')")
-        viewer.scene.update_state(ahead=ahead | {"moving": "up"}, received=time.time())
-        screen.until(f"{digits}.startsWith('not known') && {unseen}")  # bit and stabiliser pull through it
+
+        def said(arrived: str, **state: Any) -> list[str]:
+            """What stands there once the state has come: a page that says it wrongly fails at once."""
+            viewer.scene.update_state(received=time.time(), newest=time.time(), **state)
+            screen.until(f"(({{ ahead, tripped, seenHole }}) => {arrived})(window.__wall.app)")
+            screen.settle()
+            where = "document.getElementById('rigWhereHead').textContent"
+            card = "document.getElementById('rigWorstCell').className"
+            found: list[str] = screen.evaluate(f"[{digits}.trim(), {where}, {card}]")
+            return found
+
+        nothing, entered = ["none", "Hole size", ""], "Next going up: unseen hole"
+        assert said("seenHole === 1044", hole_depth=1044.0, seen_hole=1044.0) == nothing
+        assert said("tripped", tripped=True) == ["not known", entered, "unknown"], "no sensor passed where it ran in"
+        assert said("!tripped", tripped=False) == nothing
+        up = ahead | {"moving": "up"}
+        pulled = ["none", entered, "unknown"]
+        assert said("ahead.moving === 'up'", ahead=up) == pulled, "what was seen is known, what it pulls through is not"
+        gaps = {"unseen": (((1020.0, 1022.0), None), ((1031.2, 1034.0), None))}
+        assert said("ahead.unseen[0][0][0] === 1020", ahead=up | gaps)[0] == "not known", "above it, hole is not seen"
         screen.close()
 
 
@@ -714,10 +718,11 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         scene.update_state(hole_depth=float("nan"), ahead=None)
         screen.until("window.__wall.app.holeDepth === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
-        scene.update_state(apart="ream")
-        screen.until("document.getElementById('rigAgeMore').textContent.endsWith('old, ream pass not shown')")
-        scene.update_state(apart="")
-        screen.until("!document.getElementById('rigAgeMore').textContent.includes('ream')")
+        scene.update_state(unused="not turning: radii not used")
+        screen.until("document.getElementById('rigAgeMore').textContent === 'not turning: radii not used'")
+        assert screen.evaluate(lamp) == "live", "nothing is wrong"
+        scene.update_state(unused="")
+        screen.until("document.getElementById('rigAgeMore').textContent === 'last radius 4 min old'")
         scene.update_state(newest=float("nan"))  # a server that was started again
         screen.until("window.__wall.app.newest === null")
         assert re.fullmatch(r"\d s", screen.inner_text("#rigAge"))
@@ -730,7 +735,9 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         drilled = r"/^no radius for \d\d s, 0\.5 m drilled$/"
         screen.until(f"{drilled}.test(document.getElementById('rigAgeMore').textContent)")
         assert re.fullmatch(r"\d\d s", screen.inner_text("#rigAge"))
-        scene.update_state(newest=time.time(), received=time.time())
+        scene.update_state(received=time.time(), unused="sliding: radii not used")
+        screen.until("document.getElementById('rigAgeMore').textContent === 'sliding: radii not used, 0.5 m drilled'")
+        scene.update_state(newest=time.time(), received=time.time(), unused="")
         screen.until(f"{lamp} === 'live'")
         assert screen.evaluate("window.__wall.app.pace.usual") < 7
         scene.update_state(newest=time.time() - 30, received=time.time() - 30)
@@ -745,6 +752,8 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         scene.update_state(alarms=("no data rig: nothing for 20 s",))
         screen.until("document.body.classList.contains('stale')")
         assert screen.inner_text("#alarmText") == "No data from rig"
+        word = "document.getElementById('rigAgeMore').textContent"
+        assert screen.evaluate(word) == "no new bit depth +1 more", "what makes the page pale comes first"
         pale = "getComputedStyle(document.querySelector('#rigBit small'))"
         soft = "getComputedStyle(document.querySelector('#rigBitHead')).color"
         assert screen.evaluate(f"[{pale}.opacity, {pale}.color === {soft}]") == ["1", True], "it can be read from afar"

@@ -10,6 +10,7 @@ const SLACK = 3; // seconds by which what a source sends may be later than usual
 const DRY = 10; // seconds without a radius, at least
 const [DRILLED, BLIND] = [0.1, 2]; // metres of hole drilled meanwhile: on bottom, and enough for the string to meet what nobody saw
 const LATE = 60; // seconds without a sample
+export const NO_BIT = 'no new bit depth';
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
 const DOUBTS = /^(depth s|hole falls|another hole)|depth refused/; // the alarms after which bit and wall may not lie at one depth
@@ -86,17 +87,19 @@ export const isStale = (app) => Boolean(doubtOf(app)) || !isServed(app) || isSil
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
-// Return what is wrong with the feed, in few words; '' if nothing is wrong.
+// Return what is wrong with the feed, in few words; '' if nothing is wrong. That the bit depth is `late` comes first, unless an alarm says why.
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
-function troubleOf({ alarms, lost }) {
+function troubleOf({ alarms, lost }, late = false) {
   if (lost.length) return `${lost.join(', ')} not connected`;
-  const feed = alarms.feed.filter((one) => NOT_COMING.test(one) || DOUBTS.test(one) || STUCK.test(one));
-  return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
+  const feed = alarms.feed.filter((one) => NOT_COMING.test(one) || DOUBTS.test(one) || STUCK.test(one)).map(shortOf);
+  if (late && feed.length) feed.unshift(feed.find((one) => /depth/.test(one)) ?? NO_BIT);
+  const all = [...new Set(feed)];
+  return all.length ? `${all[0]}${all.length > 1 ? ` +${all.length - 1} more` : ''}` : '';
 }
 
 // Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth, seenHole, ahead }) {
+export function lampWords({ status, unused, words, store, alarms, lost, bitDepth, newest, received, ended, sources, lastWrite, replay, contents, view, pace, radii, holeDepth, seenHole, ahead }) {
   if (status === 'waiting') {
     const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
@@ -111,21 +114,21 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const old = !ended && seconds > LATE;
   const isDead = !ended && !isLate(silent) && isDry({ newest, lastWrite, radii, bitDepth, holeDepth, seenHole });
   const rests = ahead?.hangs && (holeDepth ?? NaN) - (bitDepth ?? NaN) > LIFTED; // then no radius is due
-  const drilled = isDead ? `no radius ${Number.isFinite(seconds) ? `for ${showAge(seconds)}` : 'since the start'}, ${showDepth(missed({ holeDepth, seenHole }), view.units, 1)} drilled` : '';
-  const lastRadius = drilled || (old && !isSilent(silent) ? `${rests ? 'at rest, ' : ''}last radius ${showAge(seconds)} old` : '');
+  const drilled = isDead ? `${unused || `no radius ${Number.isFinite(seconds) ? `for ${showAge(seconds)}` : 'since the start'}`}, ${showDepth(missed({ holeDepth, seenHole }), view.units, 1)} drilled` : '';
+  const lastRadius = drilled || unused || (old && !isSilent(silent) ? `${rests ? 'at rest, ' : ''}last radius ${showAge(seconds)} old` : '');
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), lastRadius || `${showAge(seconds)} old`);
   else parts.push(drilled || (fed ? 'no radius since the start' : 'not live'));
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
-  const trouble = ended ? '' : troubleOf({ alarms, lost });
   const late = isDead || (!ended && ((old && !lastRadius) || isLate(silent)));
+  const trouble = ended ? '' : troubleOf({ alarms, lost }, late && !isDead && bitDepth !== null);
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
   const quiet = alarms.feed.filter((one) => alarms.silenced.includes(one)).length;
   if (quiet) parts.push(`${quiet} silenced`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !(fed || Number.isFinite(seconds)) ? '' : late ? 'late' : 'live';
-  return [colour, parts.join(' · '), trouble || (late && !isDead ? (bitDepth === null ? 'no new data' : 'no new bit depth') : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
+  return [colour, parts.join(' · '), trouble || (late && !isDead ? (bitDepth === null ? 'no new data' : NO_BIT) : lastRadius || (colour === 'live' ? 'live' : parts[0]))];
 }
 
 // Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.

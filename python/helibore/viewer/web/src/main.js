@@ -58,7 +58,7 @@ export class App {
   pace = new Pace();
   radii = new Pace(); // of the radii alone
   ended = false;
-  apart = ''; // passes of which radii come and the wall takes none
+  unused = ''; // why radii that come are not used
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   /** @type {RigidString | null} */
   string = null;
@@ -218,8 +218,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, seen_hole: seenHole = null, tripped = false, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null, limits = LIMITS, apart = '', units = 'mm' }) {
-    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo, limits, apart, seenHole, tripped });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, seen_hole: seenHole = null, tripped = false, newest, received = null, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, meshes = false, shape = 'wall', string = null, channels = 0, ahead = null, zones_to: zonesTo = null, limits = LIMITS, unused = '', units = 'mm' }) {
+    Object.assign(this, { sources, lost, shape, string, meshes, channels, ahead, zonesTo, limits, unused, seenHole, tripped });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     const found = JSON.stringify(zones) === JSON.stringify(this.zones) ? this.zones : zones; // the same zones are not listed anew

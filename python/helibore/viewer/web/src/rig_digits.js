@@ -3,7 +3,7 @@
 
 import { overlap, shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
-import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, SIGNS, silenceOf } from './lamp.js';
+import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, NO_BIT, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
 import { BY, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, TRUENESS, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
@@ -19,7 +19,7 @@ const SIDES = { up: 'above', down: 'below' };
 const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothing
 // Why nothing is said that counts from the bit.
 /** @param {App} app */
-const noBit = (app) => doubtOf(app) || 'no new bit depth';
+const noBit = (app) => doubtOf(app) || NO_BIT;
 const MAY = 'may stick';
 const NAMED = 3; // tight places of one text
 const MARGIN = 40; // pixels of a cell that its texts leave free
@@ -83,9 +83,8 @@ function writeData(app) {
   document.body.classList.toggle('away', !isServed(app));
   byId('rigAgeCell').className = stale ? 'new' : /late|lost/.test(colour) ? 'zone' : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
-  const apart = app.apart && `, ${app.apart} pass not shown`;
-  const behind = !apart && lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
-  cell('rigAge', 'Data age', age, ageUnit, (colour === 'live' && (word === 'live' || !word) ? `data to ${showDepth(store.end, units, 1)}${behind}` : word ?? text.split(' · ')[0]) + apart);
+  const behind = lag > LIFTED ? `, ${showDepth(lag, units, 1)} behind bit` : '';
+  cell('rigAge', 'Data age', age, ageUnit, colour === 'live' && (word === 'live' || !word) ? `data to ${showDepth(store.end, units, 1)}${behind}` : word ?? text.split(' · ')[0]);
   byId('rigLamp').className = colour;
   byId('rigLamp').textContent = SIGNS[colour] ?? '–';
 }
@@ -126,12 +125,13 @@ function writeWorst(app) {
   if (!found) {
     const [top, bottom] = reach(app);
     const end = Math.min(store.span[1], bottom);
-    const [unseen] = unseenAhead(app);
-    const last = name ? ['not sure', `tight at ${name}`] : stale ? ['not known', noBit(app)] : unseen ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
+    const hidden = unseenAhead(app);
+    const unseen = hidden.find(({ fresh }) => !fresh) ?? hidden[0];
+    const last = name ? ['not sure', `tight at ${name}`] : stale ? ['not known', noBit(app)] : unseen && !unseen.fresh ? ['not known', `too little seen in ${showSpan(unseen.start, unseen.stop, units)}`] : top < end ? ['none', `${percent(shareSeen(app, top, end))} seen of ${showSpan(top, end, units)}`] : ['not known', 'too little seen'];
     const [digits, more] = store.basis === 'gauge' ? ['–', 'not measured'] : zonesTo === null ? ['looking', 'for zones'] : end - zonesTo > LATE ? ['looking', `none to ${showDepth(zonesTo, units, 1)}`] : last;
     const far = stale || digits === 'looking' ? undefined : tightBeyond(app);
-    const coming = (digits === 'not known' && !stale && unseen) || far;
-    mark(digits === 'none' ? '' : 'unknown', name ? 'new' : coming && coming === unseen ? 'unknown' : '');
+    const coming = (/^no/.test(digits) && !stale && unseen) || far;
+    mark(digits === 'none' && !unseen ? '' : 'unknown', name ? 'new' : coming && coming === unseen ? 'unknown' : '');
     cell('rigWorst', `Worst ${ahead?.moving ? `going ${ahead.moving}` : 'place'}${digits === 'none' ? limitOf(app) : ''}`, digits, '', far ? `${more}; ${kindOf(far)} ${showSize(far.measure, units)} at ${showDepth(far.start, units, 1)}` : more);
     if (name) return now();
     if (!coming) return cell('rigWhere', 'Hole size', ...holeSize(app));

@@ -126,7 +126,7 @@ interface FirstPlace { start: number; stop: number; measure: number; zone: Zone 
 interface State {
   channels?: number; ahead?: Outlook | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; seen_hole?: number | null; tripped?: boolean; newest: number | null; received?: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; apart?: string; zones_to?: number | null; limits?: number[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null; units?: Units;
+  zones: Zone[]; unused?: string; zones_to?: number | null; limits?: number[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null; units?: Units;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }
