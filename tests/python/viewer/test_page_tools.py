@@ -409,6 +409,33 @@ def test_a_closed_fracture_is_dark_from_inside_under_the_colours_of_radii(browse
     assert seen["AMP"][1] < seen["PLAIN"][1] + 0.1, "the edge is no line"
 
 
+def test_an_open_fracture_is_lit_from_inside_under_its_dark_image(browser: Any) -> None:
+    """It crosses the seam of two tiles at 1001.28 m, and the image is darkest in it."""
+    wall = MadeWall(80_000, pitch=0.005)
+    trace = 1001.31 + 0.1 * np.cos(np.radians(wall.toolface - 200))
+    away = np.abs(wall.depth - trace)
+    wall.radius = BIT / 2 + 0.03 * np.clip((0.021 - away) / 0.006, 0, 1)
+    amplitude = np.where(away < 0.018, 5.0, 60.0)
+    image = {hb.Attribute("AMP", "dB", 5, 80): amplitude}
+    with hb.view(wall, path=curved_path(), attributes=image) as viewer:
+        for quantity in ("over", "AMP"):
+            address = f"#md=1001.5&sec=2&camera=down&quantity={quantity}&at=1001.22_200&tab=3d"
+            screen = Screen(browser, viewer.url, address, (1366, 768))
+            screen.settle()
+            light = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+            found = []
+            for toolface in range(0, 360, 15):
+                depth = 1001.31 + 0.1 * math.cos(math.radians(toolface - 200))
+                ground, beside = (
+                    light[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].mean()
+                    for x, y in (screen.evaluate(WALL_PLACE % (toolface, depth + by)) for by in (-0.01, 0.06))
+                )
+                found.append(ground / beside)
+            assert min(found) > 0.12, f"no black hole under {quantity}"
+            assert max(found) < 0.6, "nor a light block where tiles meet"
+            screen.close()
+
+
 def test_no_light_slab_is_beside_a_closed_fracture_at_the_seam_of_two_tiles(browser: Any) -> None:
     """Beyond the seam at 1001.28 m are other values than those before it, in reverse order."""
     wall = MadeWall(40_000, pitch=0.005)

@@ -81,7 +81,8 @@ void main() {
   float relief = abs(dot(normalize(bent), from)) / max(abs(dot(flat1, from)), 0.04); // compared with a smooth hole, so that the relief is seen as far as the light reaches
   float far = length(seen) / (14.0 * bitRadius); // the lamp lights some metres
   float deep = wall > 0.0 ? max(0.0, c + radii.z - wall) : 0.0; // so far behind the wall around it
-  float cleft = min(pow(20.0 * shape * deep / bitRadius, 2.0), 4.0); // of the light that enters a narrow cleft a fifth leaves it, so that its ground is seen; a breakout is wider than deep
+  float cleft = min(pow(20.0 * shape * deep / bitRadius, 2.0), 3.0); // of the light that enters a narrow cleft a quarter leaves it, so that its ground is seen; a breakout is wider than deep
+  float open = min(deep / 0.003, 1.0); // in a cleft its relief is seen, not the image: neither pads nor echoes reach its ground
   float mark = 1.0; // a closed fracture has no relief: where the image differs from what is around, the wall is darker or lighter
   if (range > 0.0 && !rings) {
     ivec2 here = place(cell);
@@ -98,10 +99,12 @@ void main() {
         lighter = max(lighter, -max(sides.x, sides.y));
       }
       float contrast = (lighter - darker) / range / small;
-      mark = clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.2), 0.25, 1.3); // noise and lamination are faint
+      mark = mix(clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.4), 0.25, 1.3), 1.0, open); // noise and lamination are faint
     }
   }
-  vec3 base = mark * rock(k, v, gap) * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
+  vec3 stone = rock(k, v, gap);
+  if (mode == 5) stone = mix(stone, vec3(0.7), open);
+  vec3 base = mark * stone * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;

@@ -193,10 +193,11 @@ void main() {
   vec4 near = around(at, 1, stepAlong());
   wall = 0.0;
   if (median == 0 && r > 0.0) {
-    vec4 far = around(at, max(K / 24, 1), K * max(stride, int(0.5 * bitRadius / abs(pitch))));
-    far = mix(far.yxwz, far, step(0.0, far));
+    int across = max(K / 24, 1), along = K * max(stride, int(bitRadius / abs(pitch)));
+    vec4 far = around(at, across, along);
+    far = mix(around(at, 2 * across, 2 * along).yxwz, far, step(0.0, far)); // at the end of a tile, where one side is missing, twice as far on the other
     far = mix(vec4(r), far, step(0.0, far));
-    wall = 0.5 * min(min(far.x, far.y) + min(far.z, far.w), min(far.x + far.y, far.z + far.w)); // mean of the two least: a cleft may pass through the others
+    wall = min(max(far.x, far.y), max(far.z, far.w)); // a cleft has narrower wall on two opposite sides, a ledge has it on one
     if (at > K && at < K * rows) r = 0.5 * r + 0.125 * dot(mix(vec4(r), near, step(0.0, near)), vec4(1.0)); // an edge is seen from near: round off its steps, but not where the next tile has to meet this one
   }
   float R = exaggerated(r);

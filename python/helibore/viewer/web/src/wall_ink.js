@@ -1,6 +1,6 @@
 // The ink over the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
 
-import { themed } from './color.js';
+import { Q_ATTRIBUTE, themed } from './color.js';
 import { BAR, drawColourBar } from './color_bar.js';
 import { anglesInWords, wallPoint } from './dips.js';
 import { inLines } from './columns.js';
@@ -73,7 +73,7 @@ function inWords(look, planes, tube, slide) {
   if (outside && store.plan.length) words.push(...planInWords(look));
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
-  if (!outside && look.light) words.push(`dark and light by ${look.light.name}`);
+  if (!outside && (look.light || look.quantity.mode === Q_ATTRIBUTE)) words.push(look.light ? `dark and light by ${look.light.name}` : 'clefts grey');
   return words;
 }
 
