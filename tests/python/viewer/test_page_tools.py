@@ -891,6 +891,50 @@ def test_on_a_slide_of_the_path_a_disc_at_the_upper_edge_is_whole_and_the_captio
         screen.close()
 
 
+def labels_of_slide(screen: Screen) -> list[dict[str, Any]]:
+    """Save a slide, and return the texts on it."""
+    screen.evaluate(
+        "(() => { const { renderer } = window.__wall.app; const draw = renderer.drawInk.bind(renderer);"
+        " renderer.drawInk = (look) => { draw(look); const ink = document.getElementById('ink');"
+        " if (ink.slide) window.__labels = ink.labels; }; })()"
+    )
+    with screen.page.expect_download():
+        screen.click("#slide")
+    found: list[dict[str, Any]] = screen.evaluate("window.__labels")
+    return found
+
+
+def test_a_slide_of_the_path_has_the_side_view_beside_the_plan(browser: Any) -> None:
+    """Depths and names take the places below the plan and at the left edge."""
+    path = hb.Survey([970.0, 1110.0], [30.0, 30.0], [60.0, 60.0]).path()
+    with hb.view(MadeWall(57_600), path=path) as viewer:
+        viewer.scene.intervals = tuple(
+            hb.Interval(f"Formation {depth:.0f}", depth, depth + 12) for depth in (1010.0, 1030.0, 1050.0, 1070.0)
+        )
+        for depth, dip in ((1010.0, 12), (1020.0, 60), (1035.0, 65), (1050.0, 20), (1060.0, 70), (1070.0, 18)):
+            kind = "bed" if dip < 30 else "fracture"
+            pick = Pick(kind=kind, depth=depth, toolface=80.0, apparent_dip=dip, dip_sigma=1.0, toolface_sigma=2.0)
+            viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1045&sec=90&camera=outside", (1440, 900), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 6")
+        screen.settle()
+        labels = labels_of_slide(screen)
+        (plan,) = [one for one in labels if one["text"] == "plan, N up"]
+        (side,) = [one for one in labels if one["text"].startswith("side, ")]
+        box = {"left": side["left"], "right": side["left"] + 92, "top": side["top"], "bottom": side["bottom"] + 116}
+        assert not [
+            one["text"]
+            for one in labels
+            if one["right"] > box["left"] + 1
+            and one["left"] < box["right"] - 1
+            and one["bottom"] > box["top"] + 1
+            and one["top"] < box["bottom"] - 1
+            and not box["left"] <= (one["left"] + one["right"]) / 2 <= box["right"]
+        ], "nothing reaches into it"
+        assert abs(plan["left"] - side["left"]) > 92 or abs(plan["top"] - side["top"]) > 92
+        screen.close()
+
+
 def test_a_full_view_in_perspective_has_no_axis_of_depth_beside_it(browser: Any, viewer: Any) -> None:
     """No height of the picture is one depth: the map of the well stands there; the depths stand along the hole."""
     screen = Screen(browser, viewer.url, "#md=1012&sec=12&camera=outside&tab=3d", (1366, 768), drawn=False)

@@ -38,15 +38,17 @@ export function drawMaps(ink, look, gpu, planes) {
     const box = boxOf([left, top]);
     return !taken.some((one) => touch(one, box)) && !hole.some(([x, y]) => x > left - 10 && x < left + size + 10 && y > top - 20 && y < box.bottom + 6) && !ink.canvas.labels.some((one) => touch(one, box));
   };
-  const columns = [wall.left + 10, wall.left + wall.width - size - 10];
-  const first = HEAD + 26;
+  const first = (ink.canvas.slide ? 0 : HEAD) + 26; // a slide has no controls above the hole
+  /** @type {(from: number, to: number) => number[]} */
+  const steps = (from, to) => Array.from({ length: Math.max(0, Math.floor((to - from) / 10)) + 1 }, (_, i) => from + 10 * i);
+  const columns = steps(wall.left + 10, wall.left + wall.width - size - 10);
   /** @type {Pair[]} */
-  const places = columns.map((left) => [left, first]);
+  const places = [columns[0], columns[columns.length - 1]].map((left) => [left, first]);
   const plan = places.find(free) ?? places[1];
   if (!drawMap(plan, 'plan, N up', ([north, east]) => [east, north], [])) return; // vertical
   taken.push(boxOf(plan));
-  const rows = Array.from({ length: Math.floor((wall.height - first - size - FOOT) / 10) + 1 }, (_, i) => first + 10 * i);
-  const beside = [plan[0], ...columns].flatMap((left) => rows.map((top) => /** @type {Pair} */ ([left, top]))).find(free);
+  const rows = steps(first, wall.height - size - FOOT);
+  const beside = [plan[0], ...places.map(([left]) => left), ...columns].flatMap((left) => rows.map((top) => /** @type {Pair} */ ([left, top]))).find(free);
   if (beside) drawMap(beside, `side, ${nameOf(towards + Math.PI)}–${nameOf(towards)}`, ([north, east, down]) => [(north - a[0]) * Math.cos(towards) + (east - a[1]) * Math.sin(towards), -down], topPlanes(look, planes.kept).filter(({ start }) => start > ends[0] && start < ends[1]));
 
   // Draw one map; `flat` is how many metres to the right and up a place is. Return whether the hole has any extent on it.
@@ -57,7 +59,7 @@ export function drawMaps(ink, look, gpu, planes) {
     const [[x0, x1], [y0, y1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
     const extent = Math.max(x1 - x0, y1 - y0);
     if (extent < 1) return false;
-    const perMetre = (size - 16) / extent;
+    const perMetre = (size - 36) / extent; // the depths of its ends have room
     /** @param {number[]} centre @returns {Pair} */
     const spot = (centre) => {
       const [x, y] = flat(centre);

@@ -13,4 +13,5 @@ export function scaleBar(ink, x, y, perMetre, { units }, palette) {
   const size = niceStep(40 / perUnit);
   for (const [from, to] of [[[x, y], [x + size * perUnit, y]], ...[x, x + size * perUnit].map((end) => [[end, y - 4], [end, y + 4]])]) line(ink, from[0], from[1], to[0], to[1], palette.ink, [], 2);
   label(ink, `${Number(size.toPrecision(2))} ${unit}`, x, y - 12, { colour: palette.ink, halo: palette.paper, font: SMALL });
+  ink.canvas.labels.push({ text: '', left: x, right: x + size * perUnit, top: y - 4, bottom: y + 4 });
 }
