@@ -517,6 +517,30 @@ class TestPage:
         assert screen.evaluate("stage.clientWidth + document.querySelector('aside').offsetWidth") == 1000
         screen.close()
 
+    def test_a_slide_of_the_scene_is_filled_and_says_how_sure_dips_are_and_what_has_no_data(self, browser: Any) -> None:
+        walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
+        dip = {"apparent_dip": 40.0, "dip_sigma": 1.0, "toolface_sigma": 2.0}
+        walls["A-1"].picks.append(hb.Pick(kind="fracture", depth=1008.0, toolface=30.0, **dip))
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=scene", (1000, 800), drawn=False)
+            screen.evaluate(
+                "(() => { const { wells } = window.__wall; const draw = wells.draw.bind(wells); wells.draw = () => {"
+                " draw(); const ink = document.getElementById('ink'); if (!ink.slide) return;"
+                " const seen = wells.scene.corners.map((at) => wells.scene.project(at, wells.scene.rect));"
+                " window.__slide = [ink.labels.map(({ text }) => text), seen]; }; })()"
+            )
+            eye = screen.evaluate("window.__wall.wells.scene.from")
+            with screen.page.expect_download():
+                screen.click("#slide")
+            texts, corners = screen.evaluate("window.__slide")
+            wide, tall = (max(at[axis] for at in corners) - min(at[axis] for at in corners) for axis in (0, 1))
+            assert wide > 0.78 * 960 or tall > 0.78 * 490
+            assert "no data" in texts
+            assert any(re.fullmatch(r"\d+ ± \d+ / \d{3} ± \d+", text) for text in texts)
+            assert any("± 95 %" in text for text in texts)
+            assert screen.evaluate("window.__wall.wells.scene.from") == pytest.approx(eye), "the page as before"
+            screen.close()
+
     def test_a_slide_side_by_side_has_no_place_no_scale_and_no_number_struck_through(self, browser: Any) -> None:
         with hb.view_wells({"One": made(None, (1004.0, 1010.0)), "Two": made(None, (1006.0, 1009.65))}) as viewer:
             screen = Screen(browser, viewer.url, "#mode=section", drawn=False)

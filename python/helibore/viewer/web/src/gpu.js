@@ -304,7 +304,7 @@ export class Gpu {
   /** @param {Look} look */
   bit({ store, path, view, bitDepth }) {
     const more = loaded();
-    if (!more || bitDepth === null || bitDepth < view.top || bitDepth > view.bottom) return;
+    if (!more?.BIT || bitDepth === null || bitDepth < view.top || bitDepth > view.bottom) return;
     this.context.add('bit', more.BIT);
     const frame = path.at(bitDepth);
     const size = store.bitRadius * view.tubeFactor(store);

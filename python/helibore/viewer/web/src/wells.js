@@ -13,13 +13,16 @@ import { messageOf } from './errors.js';
 import { FLAT } from './flat.js';
 import { Context } from './gl.js';
 import { Gpu, PROGRAMS } from './gpu.js';
-import { BOLD, FONT, PALETTES } from './layout.js';
+import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
 import { cutFor, CUTS, cutsOf } from './path.js';
 import { applyTheme } from './panel.js';
 import { save } from './saving.js';
 import { BAND, SLIDE } from './slide.js';
+import { marksOf } from './sureness.js';
 import { recorder, svgFile } from './svg.js';
+import { hatched } from './strokes.js';
+import { normalised } from './vectors.js';
 import { numbers, View } from './view.js';
 import { Well } from './well.js';
 import { Scene } from './wells_scene.js';
@@ -171,7 +174,12 @@ export class Wells {
       const looks = this.mode === 'scene' ? this.scene.draw(ink, rect) : this.section.draw(ink, rect);
       const asked = this.quantity;
       const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
-      if (shown && this.mode === 'scene') drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8, width: rect.width - 16 }, imagePieces: [] }, height - BAR / 2);
+      if (shown && this.mode === 'scene') {
+        drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8, width: rect.width - 16 }, imagePieces: [] }, height - BAR / 2);
+        const after = ink.canvas.labels[ink.canvas.labels.length - 1].right + 16;
+        hatched(ink, after, height - BAR / 2 - 5, 12, 10, PALETTES[view.theme]);
+        label(ink, 'no data', after + 16, height - BAR / 2, { colour: PALETTES[view.theme].ink, font: SMALL });
+      }
       if (looks[0] && this.mode === 'scene' && this.shown.planes) {
         const rects = { ...looks[0].rects, axis: { ...rect, height: height - BAR / 2 - 10 }, image: { ...rect, width: 0 }, pane: rect };
         drawLegend(ink, { ...looks[0], view: this.viewOf(-1e6, 2e6), rects }, { kept: this.drawn.flatMap((well) => this.scene.picksOf(well, this.scene.topsOf(well))), boxes: [], selected: null, current: null, open: false }, []);
@@ -248,9 +256,9 @@ export class Wells {
     } });
     swatch.style.background = colour;
     text.textContent = `${name}${found < this.wells.length ? ` (${found} of ${this.wells.length} wells)` : ''}`;
-    const label = document.createElement('label');
-    label.append(seen, text);
-    row.append(swatch, label);
+    const line = document.createElement('label');
+    line.append(seen, text);
+    row.append(swatch, line);
     return row;
   }
 
@@ -351,6 +359,9 @@ export class Wells {
     const vector = kind === 'svg';
     const file = `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`; // of the picture, though the mode changes before it is made
     const inks = byId('ink');
+    const { scene } = this;
+    const eye = { from: scene.from, target: scene.orbit.target };
+    const whole = kind === 'slide' && this.mode === 'scene' && scene.whole; // then it fills the slide, too
     if (kind === 'slide') Object.assign(byId('stage').style, { flex: 'none', width: `${SLIDE.width}px`, height: `${SLIDE.height - BAND}px` });
     const [width, height] = [inks.clientWidth, inks.clientHeight + BAND];
     const ratio = Math.max(vector ? 2 : Math.min(4, WIDE / width), pixelRatio(inks));
@@ -366,6 +377,10 @@ export class Wells {
     ink.fillStyle = palette.ink;
     ink.fillText([this.drawn.map((well) => well.name).join(', '), this.mode === 'scene' ? '' : this.section.depthsInWords, this.mode === 'scene' ? this.note.replace(' (path.head)', '') : ''].filter(Boolean).join('   '), 8, 17);
     if (kind === 'slide') inks.slide = {};
+    if (whole) {
+      scene.rect = { left: 0, top: 0, width: SLIDE.width, height: SLIDE.height - BAND - BAR };
+      scene.fit(normalised(eye.from));
+    }
     sharpen(ratio);
     this.movedAt = 0;
     /** @type {string[]} */
@@ -378,6 +393,7 @@ export class Wells {
     if (!vector) ink.drawImage(inks, 0, BAND, width, height - BAND);
     sharpen(0);
     byId('stage').removeAttribute('style');
+    if (whole) scene.restore(eye.from, eye.target);
     this.redraw();
     /** @param {Blob | null} blob */
     const keep = (blob) => blob && save(blob, file);
@@ -431,6 +447,7 @@ export function placed(wells) {
   };
 }
 
+Object.assign(globalThis, { more: { marksOf } }); // what dips.js looks for (late.js)
 const wells = new Wells();
 // For tests: what is loaded, and what the page can do.
 Object.assign(window, { __wall: {

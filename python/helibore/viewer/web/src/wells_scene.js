@@ -3,7 +3,7 @@
 
 import { Orbit } from './camera.js';
 import { casingsIn, shoeInWords } from './columns.js';
-import { anglesOf, wallPoint } from './dips.js';
+import { anglesInWords, anglesOf, wallPoint } from './dips.js';
 import { Flat } from './flat.js';
 import { BOLD, fitting, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
@@ -104,11 +104,19 @@ export class Scene {
     return wanted <= 1 ? 1 : niceStep(0.6 * wanted);
   }
 
-  fit() {
-    const { low, high, orbit, rect } = this;
+  get corners() {
+    return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? this.high : this.low)[axis]));
+  }
+
+  // Whether all of the box is in view.
+  get whole() {
+    return this.corners.every((corner) => this.wells.gpu.outside.project(corner)?.every((at) => Math.abs(at) <= 1));
+  }
+
+  /** @param {Vector} [from] */
+  fit(from = this.facing()) {
+    const { low, high, orbit, rect, corners: points } = this;
     const { outside: camera } = this.wells.gpu;
-    const points = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]));
-    const from = this.facing();
     let far = length(this.stretched(minus(high, low))) / camera.tangent;
     Object.assign(camera, { aspect: rect.width / rect.height, near: far / 1e4, far: 10 * far });
     orbit.target = this.stretched(scaled(plus(low, high), 0.5));
@@ -348,7 +356,8 @@ export class Scene {
     });
     compass(ink, gpu, rect, palette);
     const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
-    const words = [...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
+    const picked = drawn.flatMap((well) => this.picksOf(well, []));
+    const words = [...(picked.length ? [anglesInWords(drawn[0].path, picked)] : []), ...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
     const lines = captionLines(ink, words, rect.width - 120); // beside the compass
     lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
   }
