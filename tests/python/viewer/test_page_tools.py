@@ -457,6 +457,40 @@ def test_no_light_slab_is_beside_a_closed_fracture_at_the_seam_of_two_tiles(brow
         screen.close()
 
 
+def test_dips_stand_beside_their_traces_and_in_one_form_in_the_list_of_a_picture(browser: Any) -> None:
+    """With intervals they are twice as long as without, and traces are steep at the right end of the image."""
+    with hb.view(MadeWall(60_000), path=curved_path()) as viewer:
+        for depth, kind in ((1015.0, "bed"), (1018.1, "induced fracture"), (1021.0, "fault")):
+            pick = Pick(kind=kind, depth=depth, toolface=70.0, apparent_dip=65.0, dip_sigma=3.0, toolface_sigma=8.0)
+            viewer.scene.change_picks(lambda picks, pick=pick: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1018.1&sec=2", (1600, 1000), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 3")
+        screen.settle()
+        form = r"\d+ ± \d+ / \d{3} ± \d+"
+        image, view, planes, labels = screen.evaluate(
+            "(({ renderer: { rects: { image } }, view, picking }) => [image, [view.top, view.length],"
+            " picking.planes().kept.flatMap(({ curve }) => (curve ? [curve.depths] : [])), ink.labels])(window.__wall.app)"
+        )
+        named = [one for one in labels if re.fullmatch(form, one["text"])]
+        assert len(named) == len(planes) == 1
+        for i, depth in enumerate(planes[0]):
+            x, y = image["left"] + 3 * i, image["top"] + (depth - view[0]) / view[1] * image["height"]
+            assert not (named[0]["left"] < x < named[0]["right"] and named[0]["top"] < y < named[0]["bottom"])
+        screen.evaluate("window.__wall.app.view.show(1014, 8, window.__wall.app.store)")
+        screen.settle()
+        screen.evaluate(
+            "(() => { window.__said = []; const { prototype } = CanvasRenderingContext2D;"
+            " const write = prototype.fillText; prototype.fillText = function (...of) {"
+            " window.__said.push(of[0]); return write.apply(this, of); }; })()"
+        )
+        with screen.page.expect_download():
+            screen.click("#png")
+        said = screen.evaluate("window.__said")
+        assert len([text for text in said if re.fullmatch(form, text)]) >= 6, "on the image and in the list"
+        assert not [text for text in said if "toward" in text or ("±" in text and "…" in text)]
+        screen.close()
+
+
 def test_a_trace_is_thin_and_that_of_the_selected_pick_two_lines_beside_what_it_marks(browser: Any) -> None:
     """At its deepest point a trace is level: how opaque the ink is there, from 8 pixels above to 8 below."""
     across = (

@@ -11,7 +11,6 @@ import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
-const BELOW = 18; // points of a curve, 3 pixels apart, above which its angles stand
 const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
 const THIN = 1.3; // pixels of a trace: a fracture is seen beside it
 const BESIDE = 10; // pixels from outside to outside of the two lines of the selected pick
@@ -51,11 +50,12 @@ export function drawDips(ink, look, planes, straight) {
     if (straight) columnCurve(ink, look, plane, stroke);
   }
   for (const { plane, colour } of view.rig ? [] : lines) {
-    const right = plane.curve?.depths.slice(-BELOW) ?? [];
+    ink.font = SMALL_BOLD;
+    const text = fitting(ink, [anglesOf(plane, path), anglesOf(plane, path, false), anglesOf({ ...plane, pick: undefined }, path)], image.width - 8);
+    const right = plane.curve?.depths.slice(-Math.ceil(ink.measureText(text).width / 3) - 2) ?? []; // points of the curve, 3 pixels apart, above or below which the angles stand
     const [upper, lower] = [Math.min, Math.max].map((end) => yOf(view, image, end(...right)));
     const x = image.left + image.width - 4;
-    ink.font = SMALL_BOLD;
-    if (inside(image, x, upper - 14)) label(ink, fitting(ink, [anglesOf(plane, path), anglesOf(plane, path, false), anglesOf({ ...plane, pick: undefined }, path)], image.width - 8), x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
+    if (inside(image, x, upper - 14)) label(ink, text, x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);

@@ -6,14 +6,14 @@ import { pen, pixelRatio } from './device.js';
 import { symbol } from './dip_ink.js';
 import { anglesOf } from './dips.js';
 import { byId } from './dom.js';
-import { BOLD, fitting, FONT, label, layout, PALETTES, SMALL } from './layout.js';
+import { BOLD, FONT, label, layout, PALETTES, SMALL } from './layout.js';
 import { endOf, eyeDepth, isInside } from './inside.js';
 import { FINE_TILES } from './lod.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
 import { marksOf } from './sureness.js';
 import { recorder, svgFile } from './svg.js';
-import { showAngle, showDepth, showSpan } from './units.js';
+import { showDepth, showSpan } from './units.js';
 import { captionOf } from './wall_ink.js';
 
 const WIDE = 3840; // pixels of a saved picture, as a slide has at most
@@ -23,7 +23,7 @@ const WAIT = 15_000; // milliseconds
 const MOST_TILES = 256; // of a picture: more than on the page, which is drawn while it moves
 const ROW = 17; // pixels of a pick in the list below
 const WORDS = 66; // pixels of the words between them
-const SIDE = { least: 210, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
+const SIDE = { least: 240, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
 
 // Return whether a part of the wall that the picture shows has not arrived: the overview would be drawn there. An exported file
 // has all that ever comes.
@@ -137,16 +137,13 @@ export function drawSide(ink, look, planes, width, height) {
   words.forEach((text, i) => label(ink, text, width / 2, dials + 10 + 14 * i, { colour: palette.soft, align: 'center', font: SMALL }));
   const first = dials + 24 + 14 * words.length;
   const room = Math.max(0, Math.floor((height - first - 10) / ROW));
-  const wide = width >= 300; // the class has room
+  const wide = width >= 360; // the class has room
   shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
     const y = first + ROW * i;
-    if ('apparent' in one) symbol(ink, 24, y, one.kind, palette.picks[one.kind], palette.paper);
-    const known = 'apparent' in one && path.surveyed && Number.isFinite(one.azimuth);
-    const [steep, towards] = 'apparent' in one ? marksOf(one, path) : ['', ''];
-    const ways = known ? [`${one.dip.toFixed(0)}°${steep} toward ${showAngle(one.azimuth, 0)}${towards}`, anglesOf({ ...one, pick: one.pick && { ...one.pick, note: '' } }, path)] : ['apparent' in one ? `${one.apparent.toFixed(0)}°${path.surveyed ? '' : steep} apparent` : `${one.opening.toFixed(0)}° wide`];
+    if ('apparent' in one) symbol(ink, 14, y, one.kind, palette.picks[one.kind], palette.paper);
     ink.font = SMALL;
-    const angles = fitting(ink, ways, width - 122 - (wide ? 12 + ink.measureText(one.kind).width : 0));
-    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 100, 'right'], [wide ? one.kind : '', 116, 'left'], [angles, width - 14, 'right']]);
+    const angles = 'apparent' in one ? anglesOf({ ...one, pick: one.pick && { ...one.pick, note: '' } }, path) : `${one.opening.toFixed(0)}° wide`;
+    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 90, 'right'], [wide ? one.kind : '', 106, 'left'], [angles, width - 14, 'right']]);
     for (const [text, x, align] of row) if (text) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
   });
   if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 36, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
