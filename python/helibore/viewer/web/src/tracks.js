@@ -93,7 +93,7 @@ export function drawImageHead(ink, look) {
     label(ink, fitting(ink, [...names, quantity.name], whole ? width - 4 : room), left + 2, 11, { colour: palette.ink, font: BOLD });
     if (!whole) label(ink, mode, left + width - 2, 11, { colour: usual ? palette.soft : palette.cursor, align: 'right', font: SMALL });
   }
-  bar(ink, look, left + POINT, width - 2 * POINT, palette);
+  if (quantity.id) bar(ink, look, left + POINT, width - 2 * POINT, palette); // else the well has no such image
   letters(ink, look, known, legend(ink, look, left, palette), palette);
 }
 
@@ -134,7 +134,7 @@ function legend(ink, { view, quantity, store: { basis, levels }, rects: { image 
   }, left);
   if (!quantity.thin) return end;
   const each = `drawn each ${inMetres(Math.abs(levels[0].pitch))}`;
-  label(ink, fitting(ink, [`rows of ${inMetres(quantity.thin)}, ${each}`, each], image.left + image.width - end), end, 52, { colour: palette.cursor, font: SMALL });
+  label(ink, fitting(ink, [`rows of ${inMetres(quantity.thin)}, ${each}`, each], image.left + image.width - end), end, 52, { colour: palette.soft, font: SMALL });
   return Infinity;
 }
 

@@ -66,7 +66,7 @@ function inWords(look, planes, tube, slide) {
   const toScale = !outside && (view.shape || 1) === 1;
   const words = toScale ? ['true to scale'] : picked || (outside && look.intervals.some(([, start]) => inView(start))) ? discsInWords(tube, outside) : [`hole × ${tube} wide`];
   if (!toScale && (!outside || view.shape > 1)) words.push(`shape × ${view.shape || 1} (departures from bit size)`);
-  if (outside && store.basis === 'azimuthal') words.push('dotted where the radius is uncertain');
+  if (outside && store.basis === 'azimuthal') words.push('faded where the radius is uncertain');
   if (slide && rects.image.width && leftEdge(path, view.cut, view.middle).known) words.push(`image ${CUTS[view.cut].label}`); // its head has no room
   if (picked && !(outside && rects.image.width)) words.push(anglesInWords(path, planes.kept)); // else the legend below the tracks says it
   if (view.median > 1) words.push(`median of ${view.median} turns`);

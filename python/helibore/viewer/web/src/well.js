@@ -100,6 +100,6 @@ export class Well {
   quantity(asked) {
     const own = this.quantities.find(({ id }) => id === asked?.id);
     if (own && asked) return { ...own, low: asked.low, high: asked.high, log: asked.log, map: asked.map };
-    return { ...this.quantities[0], id: '', name: `no ${asked?.name}`, mode: Q_ATTRIBUTE, attribute: this.store.attributes.length, low: 0, high: 1 };
+    return { ...this.quantities[0], id: '', length: false, name: `no ${asked?.name}`, mode: Q_ATTRIBUTE, attribute: this.store.attributes.length, low: 0, high: 1 };
   }
 }
