@@ -469,7 +469,8 @@ def test_dips_stand_beside_their_traces_and_in_one_form_in_the_list_of_a_picture
         form = r"\d+ ± \d+ / \d{3} ± \d+"
         image, view, planes, labels = screen.evaluate(
             "(({ renderer: { rects: { image } }, view, picking }) => [image, [view.top, view.length],"
-            " picking.planes().kept.flatMap(({ curve }) => (curve ? [curve.depths] : [])), ink.labels])(window.__wall.app)"
+            " picking.planes().kept.flatMap(({ curve }) => (curve ? [curve.depths] : [])), ink.labels])"
+            "(window.__wall.app)"
         )
         named = [one for one in labels if re.fullmatch(form, one["text"])]
         assert len(named) == len(planes) == 1

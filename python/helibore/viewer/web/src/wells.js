@@ -175,7 +175,7 @@ export class Wells {
       const asked = this.quantity;
       const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
       if (shown && this.mode === 'scene') {
-        drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8, width: rect.width - 16 }, imagePieces: [] }, height - BAR / 2);
+        drawColourBar(ink, { ...shown, wallRect: { ...rect, left: 8, width: rect.width - 98 }, imagePieces: [] }, height - BAR / 2); // and beside it room for 'no data'
         const after = ink.canvas.labels[ink.canvas.labels.length - 1].right + 16;
         hatched(ink, after, height - BAR / 2 - 5, 12, 10, PALETTES[view.theme]);
         label(ink, 'no data', after + 16, height - BAR / 2, { colour: PALETTES[view.theme].ink, font: SMALL });
