@@ -56,9 +56,11 @@ COLUMNS = {
     "TOOLFACE_SIGMA (deg)": "toolface_sigma", "APERTURE (m)": "aperture", "note": "note", "image": "image",
     "key": "key",
 }  # fmt: skip
-"""Columns of the table, as in logs and zones, and the field of `Pick` in each; `DIP` has two more."""
+"""Columns of the table, as in logs and zones, and the field of `Pick` in each; `DIP` and `DERIVED` have more."""
 DIP = ("DIP (deg)", "DIP_AZIMUTH (deg)")
 AXIS = "AXIS_AZIMUTH (deg)"
+DERIVED = (*DIP, "DIP_SIGMA (deg)", "DIP_AZIMUTH_SIGMA (deg)", AXIS)
+"""Columns that follow from a pick and the path; sigmas are half the intervals of `Pick.dip_interval`, over 1.96."""
 APPARENT = ("TOOLFACE (deg)", "APPARENT_DIP (deg)")
 TEXTS = ("kind", "note", "image", "key")
 OPTIONAL = ("radius", "dip_sigma", "toolface_sigma", "aperture")
@@ -283,13 +285,17 @@ class Picks(list[Pick]):
         self[:] = [pick for pick in self if pick.key != key]
 
     def table(self, path: Path | None = None) -> str:
-        """Return the picks as CSV, sorted by depth; with a path, with true dips and the azimuths of breakouts."""
+        """Return the picks as CSV, sorted by depth; with a path, with true dips, their sigmas, and the axes of breakouts."""
         text = io.StringIO()
         writer = csv.writer(text)
-        writer.writerow([*COLUMNS, *DIP, AXIS])
+        writer.writerow([*COLUMNS, *DERIVED])
         for pick in sorted(self, key=lambda one: one.depth):
-            dips = ("" if math.isnan(angle) else _cell(angle) for angle in (*pick.dip(path), pick.axis(path)))
-            writer.writerow([*map(cell, _cells(pick)), *dips])
+            dip = pick.dip(path)
+            sigmas = [half / SURE if math.isfinite(dip[0]) else math.nan for half in pick.dip_interval(path)]
+            derived = (*dip, *sigmas, pick.axis(path))
+            writer.writerow(
+                [*map(cell, _cells(pick)), *("" if math.isnan(angle) else _cell(angle) for angle in derived)]
+            )
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:

@@ -52,7 +52,7 @@ def rules() -> dict[str, Any]:
         "decimals": {"other": USUAL_DECIMALS, **DECIMALS},
         "picks": {
             "columns": picks.COLUMNS,
-            "dips": picks.DIP,
+            "dips": picks.DERIVED,
             "texts": picks.TEXTS,
             "limits": picks.LIMITS,
             "classes": picks.CLASSES,

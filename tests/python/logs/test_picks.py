@@ -126,7 +126,10 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
         assert vars(one) == pytest.approx(vars(before))
     rows = file.read_text().splitlines()
     assert rows[0].startswith("class,DEPT (m),TOOLFACE (deg),APPARENT_DIP (deg),RADIUS (m),")
-    assert rows[-2].endswith(",20,100,"), "the true dip stands in the table"
+    assert rows[-2].endswith(",20,100,,,"), "the true dip stands in the table"
+    (sure,) = [row for row in csv.DictReader(file.read_text().splitlines()) if row["class"] == "fracture"]
+    sigmas = [float(sure[name]) for name in ("DIP_SIGMA (deg)", "DIP_AZIMUTH_SIGMA (deg)")]
+    assert 1.96 * np.array(sigmas) == pytest.approx(again[0].dip_interval(hole), rel=1e-6)
     with file.open(newline="") as text:
         (fracture, bed, _) = csv.DictReader(text)
     own = ("APPARENT_DIP_SIGMA (deg)", "TOOLFACE_SIGMA (deg)", "APERTURE (m)")

@@ -302,6 +302,7 @@ def test_an_archive_of_56ff07e9_opens_and_its_bits_stay_when_it_is_written(tmp_p
     old, new = (Path(f"{path}.picks.csv").read_text().partition("\n") for path in (OLD, tmp_path / OLD.name))
     rows = [[line.split(",") for line in text[2].splitlines()] for text in (old, new)]
     lacked = {"APPARENT_DIP_SIGMA (deg)", "TOOLFACE_SIGMA (deg)", "APERTURE (m)", "AXIS_AZIMUTH (deg)"}
+    lacked |= {"DIP_SIGMA (deg)", "DIP_AZIMUTH_SIGMA (deg)"}
     names = new[0].rstrip("\r").split(",")
     assert lacked <= set(names)
     kept = [[one for one, name in zip(row, names, strict=True) if name not in lacked] for row in rows[1]]
