@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, column, finite_column
 from helibore.base.color_limits import usual_scale
-from helibore.base.colors import ColorScale, check_positive
+from helibore.base.colors import ColorScale, check_positive, customary_map
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 
@@ -30,8 +30,19 @@ def image_scale(
     log: bool | None = None,
     limits: tuple[float, float] | None = None,
 ) -> ColorScale:
-    """Return the colour scale of a whole image, the same on paper, on the viewer's page and in notebooks."""
-    return usual_scale(image.values, image.name, image.unit, color_map, log, limits)
+    """Return the colour scale of a whole image, the same on paper and on the viewer's page.
+
+    On a logarithmic scale, values that are not above 0 are missing (`above_zero`).
+    """
+    color_map = color_map or customary_map(image.name, image.unit)
+    log = color_map == "resistivity" if log is None else log
+    values = above_zero(image.values) if log else image.values
+    return usual_scale(values, image.name, image.unit, color_map, log, limits)
+
+
+def above_zero(values: Floats) -> Floats:
+    """Return the values with NaN in place of those that are not above 0, which a logarithmic scale does not have."""
+    return np.where(values > 0, values, np.nan)
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:

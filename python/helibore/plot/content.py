@@ -25,7 +25,7 @@ from helibore.base.color_limits import over_bit
 from helibore.base.colors import ColorScale, customary_map
 from helibore.base.errors import InputError
 from helibore.base.units import size_text
-from helibore.images.normalization import image_scale, sliding_window
+from helibore.images.normalization import above_zero, image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.intervals import tracks_of
@@ -412,14 +412,16 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
     color_map = look.color_map or customary_map(image.name, image.unit)
     log = color_map == "resistivity" if look.log is None else look.log
     kind = f"{image.sectors} sectors"
+    own = above_zero(image.values) if log else image.values
+    dropped = int((np.isfinite(image.values) & ~np.isfinite(own))[rows].sum())
     try:
         if look.window is not None:
             scale = ColorScale(0.0, 1.0, color_map)
-            values = sliding_window(image.depth, image.values, look.window, log)
+            values = sliding_window(image.depth, own, look.window, log)
             remark = f"{kind}, dynamic {look.window:g} m"
             cut = _count_beyond(values[rows], math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0))
-            return Shown(image.name, image.unit, scale, remark, True, *cut), values
-        values = image.values[rows]
+            return Shown(image.name, image.unit, scale, remark, True, *cut, dropped), values
+        values = own[rows]
         if not np.isfinite(values).any():
             raise InputError("values", f"all {values.size} are missing")
         scale = image_scale(image, color_map, log, look.limits)
@@ -427,7 +429,7 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
     except ValueError as error:
         raise InputError(f"image {image.name!r}, {top:g} to {bottom:g} m", str(error)) from error
     cut = _count_beyond(values, scale.low, scale.high)
-    return Shown(image.name, image.unit, scale, f"{kind}, static", False, *cut), image.values
+    return Shown(image.name, image.unit, scale, f"{kind}, static", False, *cut, dropped), own
 
 
 def _count_beyond(values: Floats, low: float, high: float) -> tuple[int, int]:

@@ -85,7 +85,7 @@ class Shown:
 
     ``remark`` goes under the name of the track. ``beyond`` of ``count`` values lie outside ``scale.low`` to
     ``scale.high``, the ends of the colour bar, and have the colour of the nearer end. If ``shares``, colours stand for
-    no fixed values, and the bar says low and high.
+    no fixed values, and the bar says low and high. ``dropped`` values are not above 0, and are drawn as missing.
     """
 
     name: str
@@ -95,13 +95,15 @@ class Shown:
     shares: bool = False
     beyond: int = 0
     count: int = 0
+    dropped: int = 0
 
     @property
     def note(self) -> str:
-        """The note under the colour bar: whether it is logarithmic, and how many values lie beyond its ends."""
+        """The note under the colour bar: whether it is logarithmic, how many values are not above 0 or beyond its ends."""
         share = 100 * self.beyond / max(self.count, 1)
         cut = f"{self.beyond:,} beyond the ends ({share:.2g}\u00a0%)" if self.beyond else ""
-        return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
+        dropped = f"{self.dropped:,} not above 0: no data" if self.dropped else ""
+        return ", ".join(part for part in ("logarithmic" if self.scale.log else "", dropped, cut) if part)
 
 
 def zone_look(kind: str, sure: bool) -> tuple[str, str, str]:

@@ -566,7 +566,7 @@ def test_images_that_cannot_be_shown() -> None:
     cases = [
         (wall_with(depth + 500, values), r"image 'X' reaches from 1500 to .* m: outside the interval, 1000 to"),
         (wall_with(depth, same), r"image 'X', .*: constant, 7 at both .*: give limits=\(low, high\)"),
-        (wall_with(depth, values - 1002.0, "ohm.m"), r"image 'X', .*: values\[0, 0\] = -2: must be above 0 on a log"),
+        (wall_with(depth, -values, "ohm.m"), r"image 'X', .*: all 200 are missing"),
         (wall_with(*late), r"image 'X', .*: all 200 are missing"),
     ]  # fmt: skip
     for wall, message in cases:
@@ -574,6 +574,20 @@ def test_images_that_cannot_be_shown() -> None:
             plot.log(wall)
     constant = wall_with(depth, np.full_like(values, 7.0))
     assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40, body=())
+
+
+@pytest.mark.parametrize("window", [None, 1.0])
+def test_a_value_below_zero_of_a_logarithmic_image_is_drawn_as_no_data_and_counted(window: float | None) -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    values = np.add.outer(depth, np.arange(4.0))
+    values[[3, 20], 2] = -0.5, 0.0
+    wall = wall_with(depth, values, "ohm.m")
+    content = content_of(wall, plot.Drawing(looks={"X": plot.Look(window=window)}))
+    (track,) = [one for one in content.tracks if isinstance(one, ImageTrack)]
+    assert track.shown.dropped == 2
+    assert "2 not above 0: no data" in track.shown.note
+    assert np.flatnonzero(np.isnan(track.source[1])).tolist() == [14, 82]
+    assert plot.log(wall, looks={"X": plot.Look(window=window)}, dpi=40, body=())
 
 
 @pytest.mark.parametrize("own", ["high-side", "north", "parallel-transport"])
