@@ -285,7 +285,7 @@ class Picks(list[Pick]):
         self[:] = [pick for pick in self if pick.key != key]
 
     def table(self, path: Path | None = None) -> str:
-        """Return the picks as CSV, sorted by depth; with a path, with true dips, their sigmas, and the axes of breakouts."""
+        """Return the picks as CSV, sorted by depth; with a path, with true dips, sigmas and axes of breakouts."""
         text = io.StringIO()
         writer = csv.writer(text)
         writer.writerow([*COLUMNS, *DERIVED])

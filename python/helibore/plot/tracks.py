@@ -99,7 +99,7 @@ class Shown:
 
     @property
     def note(self) -> str:
-        """The note under the colour bar: whether it is logarithmic, how many values are not above 0 or beyond its ends."""
+        """The note under the colour bar: whether it is logarithmic, how many values it lacks or cuts."""
         share = 100 * self.beyond / max(self.count, 1)
         cut = f"{self.beyond:,} beyond the ends ({share:.2g}\u00a0%)" if self.beyond else ""
         dropped = f"{self.dropped:,} not above 0: no data" if self.dropped else ""
