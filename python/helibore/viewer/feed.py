@@ -36,7 +36,7 @@ from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.passage import SURER, Hanging, hanging_at, passage_of, without_noise
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
-from helibore.logs.zones import LIKELY, Classification, classify
+from helibore.logs.zones import LIKELY, Classification, Zone, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
 from helibore.settings.output_settings import RigidBody
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
@@ -318,7 +318,10 @@ class Feed:
             turn, is_slot = int((zone.peak - self._shape.start_depth) / self._shape.pitch), zone.kind == "key seat"
             error = self._error(sigma, turn, zone.toolface, 360 if is_slot else 180)
             error = error / 2.0 if is_slot else error  # its measure is a height, those of the others are diameters
-            within = {"within": round(NORMAL_95 * error, 5)} if math.isfinite(error) else {}
+            reach = NORMAL_95 * error
+            if is_slot and math.isfinite(deepest := self._deepest(wall, zone)):
+                reach = max(reach, abs(deepest - zone.measure))
+            within = {"within": round(reach, 5)} if math.isfinite(error) else {}
             zones.append(place | size | within | sure | side)
         zones = sorted(zones + list(self._alarmed_zones(wall, found, sigma)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
@@ -370,6 +373,16 @@ class Feed:
             errors = errors[abs((away + period / 2) % period - period / 2) <= BESIDE]
         errors = errors[np.isfinite(errors)]
         return float(2.0 * np.median(errors)) if errors.size else math.nan
+
+    def _deepest(self, wall: Any, zone: Zone) -> float:
+        """Return how deep the samples show a key seat to be, metres; NaN: not known.
+
+        A wall is smoother than its samples: a slot as wide as the gaps between them may have half its depth. The second
+        largest radius counts, since one may be a spike, over that of the hole beside the slot.
+        """
+        depth, _, radius = (getattr(wall, "sample_columns", None) or (np.empty(0),) * 3)[:3]
+        radii = np.sort(radius[slice(*np.searchsorted(depth, (zone.start, zone.stop)).tolist())])
+        return float(radii[-2] - radii[radii.size // 4]) if radii.size > 1 else math.nan
 
     def _alarmed_zones(self, wall: Any, found: Classification, sigma: Floats | None) -> Iterator[dict[str, Any]]:
         """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval.

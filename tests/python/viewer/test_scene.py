@@ -441,6 +441,23 @@ def test_a_live_page_shows_reamed_hole_by_its_last_scan() -> None:
     assert feed._ranges == [], "what is shown is not read again and again"
 
 
+def test_the_interval_of_a_key_seat_reaches_what_its_samples_show() -> None:
+    """Four arms each 0.2 m in a slot of 30 mm that is narrower than the gaps between them: the wall has half of it."""
+    draw = np.random.default_rng(0)
+    depth = np.repeat(np.arange(2000.0, 2012.0, 0.2), 4)
+    toolface = (np.repeat(draw.uniform(0, 360, depth.size // 4), 4) + 90 * np.arange(depth.size)) % 360
+    across = np.clip(1 - (((toolface + 90) % 360 - 180) / 20) ** 2, 0, None)
+    slot = np.where(abs(depth - 2006) < 3, 0.03 * np.sqrt(across), 0.0)
+    radius = 0.1085 + slot + draw.normal(0, 0.0005, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=0.216, estimator="inverse-distance")
+    feed = Feed(wall, path=None, attributes={}, well="")
+    feed.find_zones()
+    zone = max(feed.scene.state.zones, key=lambda of: float(of["stop"]) - float(of["start"]))
+    assert zone["kind"] == "key seat"
+    assert zone["measure"] < 0.02
+    assert zone["measure"] + zone["within"] == pytest.approx(0.03, abs=0.002)
+
+
 def test_a_wall_says_how_sure_its_radii_and_its_zones_are() -> None:
     depth = np.arange(2000.0, 2012.0, 0.002)
     radius = np.where(abs(depth - 2006) < 1, 0.128, 0.108)
