@@ -888,15 +888,17 @@ def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None
     with hb.view(wall) as viewer:
         viewer.scene.update_state(bit_depth=2024.0, hole_depth=2024.0, newest=time.time(), zones=(), zones_to=2024.0)
         screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
-        screen.until("document.getElementById('rigWorst').textContent.startsWith('not known')")
+        screen.until("window.__wall.app.zonesTo === 2024")
+        screen.settle()
+        assert screen.inner_text("#rigWorst").strip() == "not known"
         top, bottom = map(float, re.findall(r"[\d.]+", screen.inner_text("#rigWorstMore").removesuffix(" m")))
         assert (top, bottom) == pytest.approx((2008.5, 2011.5), abs=0.4), "a radius has samples within a metre"
         where = screen.evaluate(f"({CELL})('rigWhere')")
         assert where == ["Next going up: unseen hole in", f"{2024.0 - bottom:.1f} m", "bit"]
         viewer.scene.update_state(bit_depth=2090.0, hole_depth=2090.0)
-        screen.until(
-            "document.getElementById('rigWorstMore').textContent === 'too little seen'"
-        )  # no hole near the bit
+        screen.until("window.__wall.app.bit === 2090")
+        screen.settle()
+        assert screen.inner_text("#rigWorstMore") == "too little seen", "no hole near the bit"
         screen.close()
 
 
