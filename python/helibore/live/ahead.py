@@ -399,7 +399,8 @@ class _Tight:
                 row = rows[np.argmin(part.passes[rows])]
                 touched = part.contact[rows]
                 ends = round(float(touched.min()), 2), round(float(touched.max()), 2)
-                sticks_at, tightest = round(float(lower[rows[0]]), 2), round(float(lower[row]), 2)
+                begins = lower[rows[0]] + (0.5 if up else -0.5) * part.height  # between this turn and the one before
+                sticks_at, tightest = round(float(begins), 2), round(float(lower[row]), 2)
                 passes = round(float(part.passes[row]), 4)
                 chance = part.chances[row][1:]
                 places.append(Place(*ends, passes, sticks_at, self._name, tightest, self._number, *chance))

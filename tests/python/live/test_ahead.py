@@ -242,6 +242,26 @@ def test_reamed_hole_is_as_tight_as_the_last_scan_of_it():
     assert len(trip.alarms.ahead.outlook.up.places) == 1
 
 
+def test_the_string_is_not_said_to_stick_later_than_it_does():
+    """Ledges that lie differently between turns of 0.1 m; a string begins to stick between two of them."""
+    late = []
+    for by in np.arange(0.0, 0.1, 0.02):
+        trip = Trip.__new__(Trip)
+        trip.clock = Clock()
+        trip.live = Live(parse(f"{WALL}[alarms]\ntight = 0.006\n{RIG}"), clock=trip.clock)
+        depth = np.arange(110.0, 125.0, 0.001)
+        radius = np.where((depth > 116 + by) & (depth < 118 + by), 0.103, 0.109)
+        trip.live.append_samples(depth, depth * 13000 % 360, radius)
+        trip.alarms = Alarms(trip.live, {"rig": "connected"})
+        for bit in (124.0, 123.0):
+            trip.to(bit)
+        late.append(118 + by + 0.3 - trip.alarms.ahead.outlook.bodies[0][0])
+        for bit in (111.0, 112.0):
+            trip.to(bit)
+        late.append(trip.alarms.ahead.outlook.bodies[0][1] - 116 - by)
+    assert -0.1 <= min(late) <= max(late) < 0.02
+
+
 @pytest.mark.parametrize("layers", ["", '[layers]\nream = ["ream"]\n'], ids=["no layer takes it", "its own layer"])
 def test_what_a_reaming_pass_saw_is_named_though_the_wall_does_not_take_it(layers):
     caliper = '[source.mwd]\naddress = "host"\nunits = "metric"\n'
