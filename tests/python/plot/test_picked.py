@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import operator
+from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,6 +212,26 @@ def test_a_print_without_the_picks_has_nothing_of_them(wall: hb.Wall) -> None:
     assert len(sheets[1]) < len(sheets[0])
     assert {"Poles of planes", "Picks"} <= said[0]
     assert not {"Poles of planes", "Picks"} & said[1]
+
+
+def test_a_washout_at_an_open_fracture_that_was_picked_is_drawn_as_the_fracture() -> None:
+    depth = np.arange(1000.0, 1010.0, 0.01)
+    radius = BIT / 2 + np.where(np.abs(depth - 1003) < 0.2, 0.03, 0.0) + np.where(np.abs(depth - 1007) < 0.5, 0.03, 0.0)
+    toolface = np.tile(np.arange(0.0, 360.0, 10.0), depth.size)
+    samples = hb.Caliper(np.repeat(depth, 36), toolface, np.repeat(radius, 36))
+    wall = hb.reconstruct(samples, bit_diameter=BIT, sectors=36, pitch=0.02, estimator="inverse-distance")
+    pick = Pick(kind="fracture", depth=1003.0, toolface=0.0, apparent_dip=60.0, aperture=0.1)
+
+    def middles(**options: Any) -> list[int]:
+        (track,) = [one for one in content_of(wall, Drawing(**options)).tracks if isinstance(one, DepthTrack)]
+        return [round((zone.start + zone.stop) / 2) for zone in track.zones]
+
+    assert middles() == [1003, 1007]
+    wall.picks = [pick]
+    assert middles() == [1007]
+    assert middles(with_picks=False) == [1003, 1007]
+    wall.picks = [replace(pick, aperture=None)]
+    assert middles() == [1003, 1007]
 
 
 def test_a_note_is_a_row_of_the_table_and_no_plane() -> None:

@@ -19,3 +19,4 @@ export { default as rigStyles } from '../rig.css';
 export { drawRun } from './run_chart.js';
 export { toTemplate } from './template_text.js';
 export { drawWallInk } from './wall_ink.js';
+export { unpicked } from './unpicked.js';

@@ -113,6 +113,13 @@ export class Renderer {
     return paperScale(this.app.view, this.rects.image);
   }
 
+  // The zones without those that are picks.
+  get zones() {
+    const { app } = this;
+    const { zones, store, picking: { kept } } = app;
+    return (zones.length && kept.length && late(app)?.unpicked(zones, kept, store.bitRadius)) || zones;
+  }
+
   // Everything that one frame shows; drawing does not change it.
   /** @returns {Looks} */
   look() {
@@ -136,7 +143,7 @@ export class Renderer {
       dark: view.theme === 'dark',
       notes: app.picking.notes,
       intervals: store.intervals,
-      zones: (view.rig && late(app)?.zonesInRig(app)) || app.zones,
+      zones: (view.rig && late(app)?.zonesInRig(app)) || this.zones,
       held: view.pinned ? heldPlane(app.picking.planesOfAll(), view) : undefined,
       light: quantity.mode < Q_NEAREST ? [...selection.besides, ...selection.quantities].find(({ mode, length }) => mode === Q_ATTRIBUTE && !length) : undefined,
       growing: app.growing,
@@ -279,7 +286,7 @@ export class Renderer {
     section.ask();
     section.write();
     alarms.write(view);
-    listZones(app.zones, view, alarms, (zone) => selection.showZone(zone), app.noZone);
+    listZones(this.zones, view, alarms, (zone) => selection.showZone(zone), app.noZone);
     reflect(view, look.quantity, this.rects.image);
     links(app, toAddress(app));
     lamp(app);

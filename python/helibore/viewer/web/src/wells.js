@@ -27,6 +27,7 @@ import { numbers, View } from './view.js';
 import { Well } from './well.js';
 import { Scene } from './wells_scene.js';
 import { farApart, Section, TRUE } from './wells_section.js';
+import { unpicked } from './unpicked.js';
 
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500];
 const HEIGHTS = [1, 2, 5, 10, 20];
@@ -142,7 +143,7 @@ export class Wells {
     return {
       store, view, path, rects, bitDepth: well.bitDepth, oldBit: false, asked: quantity, quantity, imagePieces: pieces, wallPieces: pieces,
       imageRect: rects.image, wallRect: rects.wall, background: PALETTES[view.theme].background, dark: view.theme === 'dark',
-      notes: [], intervals: store.intervals.filter(([name]) => !this.hidden.has(name)), zones: well.zones, growing: false, arms: null, string: null, over: well.quantities[0], glow: () => [],
+      notes: [], intervals: store.intervals.filter(([name]) => !this.hidden.has(name)), zones: unpicked(well.zones, well.picks, store.bitRadius), growing: false, arms: null, string: null, over: well.quantities[0], glow: () => [],
     };
   }
 

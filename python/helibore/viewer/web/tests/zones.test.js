@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { bySeverity, isSure, jump, letterZones, turnTowards, zoneAt, zoneText } from '../src/zones.js';
+import { unpicked } from '../src/unpicked.js';
 
 const ZONES = [
   { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2, confidence: 1 },
@@ -12,6 +13,16 @@ const ZONES = [
 
 test('the worst zone comes first', () => {
   assert.deepEqual(bySeverity(ZONES).map(({ start }) => start), [20, 30, 10]);
+});
+
+test('a washout at an open fracture that was picked is drawn as the fracture', () => {
+  const pick = { key: 'f', kind: 'fracture', depth: 21.5, toolface: 0, apparent_dip: 86, radius: 0.11, aperture: 0.02 };
+  /** @param {object[]} picks */
+  const kinds = (picks) => unpicked(ZONES, picks, 0.1).map(({ kind }) => kind);
+  assert.deepEqual(kinds([pick]), ['breakout', 'undergauge'], 'its trace reaches from 19.9 to 23.1');
+  for (const other of [{ ...pick, aperture: null }, { ...pick, apparent_dip: 80 }, { ...pick, depth: 25 }, { key: 'b', kind: 'breakout', depth: 21.5, height: 4, opening: 90, toolface: 0 }]) {
+    assert.deepEqual(kinds([other]), ['breakout', 'washout', 'undergauge']);
+  }
 });
 
 test('a zone counts as much as its kind is probable, and says so', () => {
