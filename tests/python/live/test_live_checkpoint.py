@@ -185,7 +185,7 @@ def rewritten(path, **facts):
 @pytest.mark.parametrize(
     ("facts", "text"),
     [
-        ({"version": 9}, "PATH: version 9: this helibore reads version 3"),
+        ({"version": 9}, "PATH: version 9: this helibore reads version 4"),
         ({"salt": 1}, "PATH: belongs to another journal"),
         (
             {"meaning": "{}", "configuration": ""},
@@ -368,6 +368,18 @@ def test_a_tool_that_turns_at_one_depth_does_not_fill_the_memory():
     assert event.count == 6000 - kept
     share = "this part of a vertex's cell already has its share of samples.most = 64 samples of this source"
     assert event.text == f"layer main: {share}: not drawn"
+
+
+def test_samples_that_no_wall_takes_do_not_fill_the_memory():
+    live, clock = Live(parse(SENT + "[samples]\nmost = 64\n[layers]\nmain = ['ream']\n")), Clock()
+    sizes = []
+    for number in range(2000):
+        clock.step(1)
+        items = [(5010, f"{number * 7.13 % 360:.2f}"), (5011, "101.00"), (5012, str(110 + number / 2e3))]
+        live.receive("mwd", wits.frame(items))
+        sizes.append(live.model.apart["main"].values.size)
+    assert sizes[1000] == sizes[-1] > 0
+    assert live.wall.sample_count == 0
 
 
 def test_missing_numbers_are_kept_as_ranges():
