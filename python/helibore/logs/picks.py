@@ -41,6 +41,12 @@ PLANES = ("bed", "fracture", "healed fracture", "induced fracture", "fault")
 BREAKOUT = "breakout"
 NOTE = "note"
 CLASSES = (*PLANES, BREAKOUT, NOTE)
+ALIASES = {
+    "bedding": "bed", "open fracture": "fracture", "partly open fracture": "fracture",
+    "partially open fracture": "fracture", "closed fracture": "healed fracture", "sealed fracture": "healed fracture",
+    "filled fracture": "healed fracture", "vein": "healed fracture",
+}  # fmt: skip
+"""Classes of other programs and the class of a pick in a table that has them; they stand in its note if that is empty."""
 NUMBERS = (int, float, np.integer, np.floating)
 MOST = 5000
 LONGEST_NOTE = 80
@@ -309,6 +315,7 @@ class Picks(list[Pick]):
 
         If a table has no column ``APPARENT_DIP (deg)``, apparent dips are computed from its true dips and ``path``, the
         wall's. Names may also be written in small letters, with the unit after an underscore: ``depth_m``.
+        Classes of other programs, such as ``closed fracture``, are read as those of `ALIASES`.
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
         second row gets another key.
         """
@@ -367,6 +374,8 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     texts: dict[str, Any] = {
         name: text_of(row[column]) for column, name in COLUMNS.items() if name in TEXTS and row.get(column)
     }
+    if (other := texts.get("kind", "").lower()) in ALIASES:
+        texts = {"note": texts["kind"], **texts, "kind": ALIASES[other]}
     texts.setdefault("key", hashlib.blake2s(repr(sorted(row.items(), key=str)).encode(), digest_size=6).hexdigest())
     numbers: dict[str, Any] = {
         name: number(column) for column, name in COLUMNS.items() if name not in TEXTS and row.get(column)

@@ -56,6 +56,7 @@ def rules() -> dict[str, Any]:
             "texts": picks.TEXTS,
             "limits": picks.LIMITS,
             "classes": picks.CLASSES,
+            "aliases": picks.ALIASES,
             "place": picks.PLACE,
             "most": picks.MOST,
             "longest": picks.LONGEST_NOTE,

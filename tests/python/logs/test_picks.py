@@ -254,6 +254,17 @@ def test_intervals_of_dip_and_azimuth_hold_what_hands_draw(apparent: float, tool
     assert np.all(held / 400 > 0.92), held
 
 
+def test_classes_of_other_programs_are_read_and_kept_in_the_note() -> None:
+    head = "class,depth_m,toolface_deg,apparent_dip_deg,note\n"
+    rows = "Closed fracture,10,5,30,\nopen fracture,11,5,30,F2\nfracture,12,5,30,\nvein,13,5,30,\n"
+    found = [(pick.kind, pick.note) for pick in Picks.parse(head + rows)]
+    assert found == [
+        ("healed fracture", "Closed fracture"), ("fracture", "F2"), ("fracture", ""), ("healed fracture", "vein"),
+    ]  # fmt: skip
+    with pytest.raises(InputError, match=r"line 2: class = 'cavern': must be one of bed, fracture"):
+        Picks.parse(head + "cavern,10,5,30,\n")
+
+
 def test_intervals_of_a_pick_without_a_path_are_those_of_its_own_angles() -> None:
     pick = Pick(kind="bed", depth=1000.0, apparent_dip=30.0, toolface=5.0, dip_sigma=2.0, toolface_sigma=120.0)
     assert pick.dip_interval(None) == (3.92, 180.0)

@@ -66,6 +66,8 @@ export function parsePicks(text) {
       if (!texts.includes(field)) pick[field] = Number(value);
       else pick[field] = value.startsWith("'") && computed(value) ? value.slice(1) : value;
     });
+    const other = rules.picks.aliases[String(pick.kind).toLowerCase()];
+    if (other) Object.assign(pick, { note: pick.note || pick.kind, kind: other });
     checked(pick, `line ${at + 2}: `);
     if (!pick.key || keys.has(pick.key)) pick.key = randomKey();
     keys.add(pick.key);

@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{ role: string, names?: string[], pattern?: string, described?: string, never?: string, reference?: string, north?: string, angle?: number, arm?: string, reason?: string, unit_stated?: boolean, needs_toolface?: boolean }} NameRule
- * @typedef {{ columns: Record<string, string>, dips: string[], texts: string[], limits: Record<string, [number, number]>, classes: string[], place: string[], most: number, longest: number, formula: string, defaults: Record<string, any> }} PickRules
+ * @typedef {{ columns: Record<string, string>, dips: string[], texts: string[], limits: Record<string, [number, number]>, classes: string[], aliases: Record<string, string>, place: string[], most: number, longest: number, formula: string, defaults: Record<string, any> }} PickRules
  * @typedef {{ names: { endings: string[], single: NameRule[], wall: NameRule[], sets: { names: string[][], step: number }[] }, units: Record<string, [string, number]>, roles: Record<string, string>, spellings: string[], ambiguous: string[], nulls: number[], null_texts: string[], small_bits: number[], large_bits: number[], likely_nulls: number[], sizes: [string, number][], measured: number[], left_out: { random: [string, string], targets: number, fewest: number, boxes: number, comparisons: number, normal: number, unmeasured: number }, columns: [name: string, mnemonic: string, unit: string, description: string][], decimals: Record<string, number>, picks: PickRules, bases: Record<string, string> }} Rules
  */
 

@@ -84,7 +84,7 @@ export class Picking {
   /** @param {App} app */
   constructor(app) {
     this.app = app;
-    options('pickClass', CLASSES.map((name, i) => [name, `${i + 1} ${name}`]));
+    options('pickClass', CLASSES.map((name, i) => [name, `${i + 1} ${name}${['', ', open', ', closed'][i] ?? ''}`]));
     /** @type {(id: string, act: (event: Event) => void) => void} */
     const click = (id, act) => byId(id).addEventListener('click', act);
     click('dipOpen', () => this.toggle());
