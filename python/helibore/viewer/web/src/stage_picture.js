@@ -23,7 +23,7 @@ const WAIT = 15_000; // milliseconds
 const MOST_TILES = 256; // of a picture: more than on the page, which is drawn while it moves
 const ROW = 17; // pixels of a pick in the list below
 const WORDS = 66; // pixels of the words between them
-const SIDE = { least: 240, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
+const SIDE = { least: 210, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9
 
 // Return whether a part of the wall that the picture shows has not arrived: the overview would be drawn there. An exported file
 // has all that ever comes.
@@ -140,10 +140,10 @@ export function drawSide(ink, look, planes, width, height) {
   const wide = width >= 360; // the class has room
   shown.slice(0, shown.length > room ? room - 1 : room).forEach((one, i) => {
     const y = first + ROW * i;
-    if ('apparent' in one) symbol(ink, 14, y, one.kind, palette.picks[one.kind], palette.paper);
+    if ('apparent' in one) symbol(ink, 10, y, one.kind, palette.picks[one.kind], palette.paper);
     ink.font = SMALL;
     const angles = 'apparent' in one ? anglesOf({ ...one, pick: one.pick && { ...one.pick, note: '' } }, path) : `${one.opening.toFixed(0)}° wide`;
-    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 90, 'right'], [wide ? one.kind : '', 106, 'left'], [angles, width - 14, 'right']]);
+    const row = /** @type {[string, number, CanvasTextAlign][]} */ ([[showDepth(one.depth, view.units), 84, 'right'], [wide ? one.kind : '', 100, 'left'], [angles, width - 10, 'right']]);
     for (const [text, x, align] of row) if (text) label(ink, text, x, y, { colour: palette.ink, align, font: SMALL });
   });
   if (shown.length > room) label(ink, `and ${shown.length - room + 1} more`, 36, first + ROW * (room - 1), { colour: palette.soft, font: SMALL });
