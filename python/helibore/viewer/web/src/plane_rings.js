@@ -9,7 +9,7 @@ import { BOLD, label, PALETTES } from './layout.js';
 import { line } from './strokes.js';
 import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vectors.js';
 
-const SIZE = { least: 1.5, most: 3.2 }; // of a disc: wider than the hole where it cuts it, in radii of the drawn hole
+const SIZE = 2.6; // of a disc, in radii of the drawn hole: all are alike
 const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
 const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
@@ -19,14 +19,13 @@ const NO_DIP = [3, 3]; // dashes of a level ring
 
 // Return north, east and down of the edge of a disc around a hole that is drawn with so many metres radius, one point every STEP degrees
 // of the disc, each with its toolface in radians and whether it is outside that hole: a disc along the hole is inside it at its ends.
-/** @param {Plane} plane @param {number} radius @param {number} [least] radii of the drawn hole */
-export function discOf({ a, b, c, frame: { centre, high, right, tangent } }, radius, least = SIZE.least) {
+/** @param {Plane} plane @param {number} radius @param {number} [size] radii of the drawn hole */
+export function discOf({ a, b, c, frame: { centre, high, right, tangent } }, radius, size = SIZE) {
   const slope = Math.hypot(a, b);
-  const far = Math.min(SIZE.most, least * Math.hypot(1, slope));
   const deepest = Math.atan2(b, a);
   return Array.from({ length: 360 / STEP + 1 }, (_, i) => {
     const angle = (STEP * i * Math.PI) / 180;
-    const [down, aside] = [(far * Math.cos(angle)) / Math.hypot(1, slope), far * Math.sin(angle)]; // across the hole
+    const [down, aside] = [(size * Math.cos(angle)) / Math.hypot(1, slope), size * Math.sin(angle)]; // across the hole
     const toolface = deepest + Math.atan2(aside, down);
     const out = Math.hypot(down, aside);
     const edge = centre.map((place, j) => place + radius * out * (Math.cos(toolface) * high[j] + Math.sin(toolface) * right[j]) + (c + radius * down * slope) * tangent[j]);
@@ -95,7 +94,7 @@ export function drawDiscs(ink, look, planes, gpu) {
   }).sort((one, other) => dot(other.towards, other.towards) - dot(one.towards, one.towards)); // the nearest last
   const beside = discs.map(({ plane, colour, stroke, level, towards, along, front }) => {
     const side = scaled(normalised(cross(along, towards)), radius);
-    const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.project(plane.frame, rect, plus(scaled(side, x), along, y * SIZE.most * radius)));
+    const hole = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => gpu.project(plane.frame, rect, plus(scaled(side, x), along, y * SIZE * radius)));
     /** @param {number[]} centre */
     const seen = (centre) => gpu.project({ centre }, rect);
     const trace = traceOf(plane, radius, [front - 90, front + 90]).map(seen);

@@ -13,7 +13,7 @@ import { depthNumber, depthUnit } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 import { captionLines, compass } from './wall_ink.js';
 
-const WIDE = 2.4; // of a disc, in radii of the drawn hole: the scene is seen from afar
+const WIDE = 3; // of a disc, in radii of the drawn hole: the scene is seen from afar
 const TUBE = 0.03; // diameter of the nearest hole, in heights of the picture
 const SLIM = 12; // radii in the length of a hole, at least
 const STEPS = 24; // of the strip of a bed from its top to its base
