@@ -91,14 +91,15 @@ void main() {
       if (imageLog) own = log(max(own, 1e-6));
       if (near) own += smoothed(grid - 0.5, own, true).z;
       int across = max(K / 24, 1), along = min(max(int(0.5 * bitRadius / abs(pitch)), 2), min(here.y, rows - here.y)); // no farther than the tile: beyond it a fracture would be mirrored
-      float darker = 0.0, lighter = 0.0; // than on both sides, in one of four directions: an edge is neither
+      vec2 darker = vec2(0.0), lighter = vec2(0.0); // than on both sides, in two of four directions: an edge is so in none, and the inner side of a bend of a line in one
       for (int i = 0; i < 4; i++) {
         ivec2 aside = ivec2(i == 1 ? 0 : across, i == 0 ? 0 : i == 3 ? -along : along);
         vec2 sides = vec2(above(at(here.x + aside.x, here.y + aside.y), own, true), above(at(here.x - aside.x, here.y - aside.y), own, true));
-        darker = max(darker, min(sides.x, sides.y));
-        lighter = max(lighter, -max(sides.x, sides.y));
+        float less = min(sides.x, sides.y), more = -max(sides.x, sides.y);
+        darker = vec2(max(darker.x, less), max(darker.y, min(darker.x, less)));
+        lighter = vec2(max(lighter.x, more), max(lighter.y, min(lighter.x, more)));
       }
-      float contrast = (lighter - darker) / range / small;
+      float contrast = (lighter.y - darker.y) / range / small;
       mark = mix(clamp(1.0 + 2.0 * contrast * contrast * contrast / (contrast * contrast + 0.4), 0.25, 1.3), 1.0, open); // noise and lamination are faint
     }
   }
