@@ -46,7 +46,7 @@ ALIASES = {
     "partially open fracture": "fracture", "closed fracture": "healed fracture", "sealed fracture": "healed fracture",
     "filled fracture": "healed fracture", "vein": "healed fracture",
 }  # fmt: skip
-"""Classes of other programs and the class of a pick in a table that has them; they stand in its note if that is empty."""
+"""Classes of other programs, and the class that a pick of a table then gets; its note, if empty, keeps the word."""
 NUMBERS = (int, float, np.integer, np.floating)
 MOST = 5000
 LONGEST_NOTE = 80
