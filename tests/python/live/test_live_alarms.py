@@ -84,10 +84,11 @@ def test_no_data_is_an_alarm_from_its_begin_to_its_end(golden):
     ("items", "alarms"),
     [
         ({108: 118, 120: 0}, False), ({108: 118}, False), ({108: 118, 107: 3, 120: 40}, False),
-        ({108: 118, 107: 9, 120: 0}, False), ({108: 120, 120: 0}, True), ({108: 118, 120: 60}, True),
+        ({108: 118, 107: 9, 120: 60}, False),
+        ({108: 120, 107: 3, 120: 0}, False), ({108: 120, 120: 0}, True), ({108: 118, 120: 60}, True),
         ({108: 118, 107: 7, 120: 0}, True),
     ],
-    ids=["off bottom", "turns?", "in slips", "tripped", "sliding", "backreamed", "circulating"],
+    ids=["off bottom", "turns?", "in slips", "tripped", "in slips at once", "sliding", "backreamed", "circulating"],
 )  # fmt: skip
 def test_a_tool_may_be_silent_while_its_pumps_may_be_off(items, alarms):
     rig = '[source.rig]\naddress = "host"\nunits = "metric"\nsilence = 60.0\n'

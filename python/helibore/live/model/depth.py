@@ -116,9 +116,9 @@ class RigHistory:
         turn off bottom, and does not circulate, by the latest values."""
         activity, rotation = (self.tracks[name].value[-1:].tolist() for name in ("activity", "rotation"))
         turns = bool(rotation) and rotation[0] >= self._rules.rotating
-        return bool(self._off_bottom.values[-1:].any()) and (
-            bool(activity and activity[0] in (*RESTING, *TRIPPING)) or not (turns or activity == [CIRCULATING])
-        )
+        if activity and activity[0] in TRIPPING:
+            turns = False
+        return self.at_rest or bool(self._off_bottom.values[-1:].any() and not (turns or activity == [CIRCULATING]))
 
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
