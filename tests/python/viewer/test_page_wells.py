@@ -517,6 +517,23 @@ class TestPage:
         assert screen.evaluate("stage.clientWidth + document.querySelector('aside').offsetWidth") == 1000
         screen.close()
 
+    def test_a_picture_of_the_wells_waits_for_what_has_not_arrived(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
+        screen.evaluate(
+            "(() => { const { wells } = window.__wall; window.__saved = 0;"
+            " const draw = wells.draw.bind(wells); wells.draw = () => { draw();"
+            " if (document.getElementById('ink').slide) window.__saved++; };"
+            " const [well] = wells.wells; const { tiles } = well.store.levels[0];"
+            " window.__tile = tiles.get(0); tiles.delete(0); well.ask = () => {}; })()"
+        )
+        with screen.page.expect_download():
+            screen.click("#slide")
+            screen.page.wait_for_timeout(400)
+            assert screen.evaluate("window.__saved") == 0, "it waits"
+            screen.evaluate("window.__wall.wells.wells[0].store.levels[0].tiles.set(0, window.__tile)")
+        assert screen.evaluate("window.__saved") == 1
+        screen.close()
+
     def test_a_slide_of_the_scene_is_filled_and_says_how_sure_dips_are_and_what_has_no_data(self, browser: Any) -> None:
         walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
         dip = {"apparent_dip": 40.0, "dip_sigma": 1.0, "toolface_sigma": 2.0}

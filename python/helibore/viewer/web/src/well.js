@@ -22,6 +22,8 @@ export class Well {
   words = '';
   east = 0; // metres to the east of where its path has it
   hidden = false;
+  /** @type {number[]} */
+  wanted = []; // tiles of what was drawn last
 
   /** @param {ListedWell} listed @param {() => void} changed */
   constructor({ name, address, head }, changed) {
@@ -69,6 +71,11 @@ export class Well {
     return Boolean(this.store && this.path.count > 1 && this.store.levels[1].size);
   }
 
+  // Whether a part of what was drawn last has not arrived.
+  get lacks() {
+    return this.wanted.some((index) => !this.store.levels[0].tiles.has(index));
+  }
+
   // The beds and fractures that were picked.
   get planes() {
     const { picks, path, made } = this;
@@ -81,7 +88,7 @@ export class Well {
   ask(...[top, bottom]) {
     const wall = this.store.levels[0];
     const seen = wall.tilesBetween(top, bottom);
-    const wanted = seen.length > FINE_TILES ? [] : seen;
+    const wanted = (this.wanted = seen.length > FINE_TILES ? [] : seen);
     for (const [index, tile] of wall.tiles) {
       if (wanted.includes(index) || wall.tiles.size <= FINE_TILES) continue;
       tile.textures?.dispose();

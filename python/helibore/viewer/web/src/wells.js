@@ -35,6 +35,7 @@ const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse wh
 const MOVING = 250; // milliseconds until a picture that has moved is drawn in full
 const WIDE = 3840; // pixels of a saved picture
 const BAR = 24; // pixels below the picture, for its colours
+const WAIT = 15_000; // milliseconds that a saved picture waits at most
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const SHOWN = /** @type {const} */ (['fence', 'discs', 'planes', 'box']);
 
@@ -355,8 +356,10 @@ export class Wells {
   }
 
   // Save the picture under a line with the names of the wells; a slide is drawn in fewer pixels, so that its texts are larger.
-  /** @param {'png' | 'svg' | 'slide'} kind */
-  savePicture(kind) {
+  // It waits for what has not arrived, at most WAIT.
+  /** @param {'png' | 'svg' | 'slide'} kind @param {number} [began] @returns {void} */
+  savePicture(kind, began = performance.now()) {
+    if (this.drawn.some(({ lacks }) => lacks) && performance.now() - began < WAIT) return void setTimeout(() => this.savePicture(kind, began), 50);
     const vector = kind === 'svg';
     const file = `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`; // of the picture, though the mode changes before it is made
     const inks = byId('ink');
