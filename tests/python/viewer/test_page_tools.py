@@ -579,6 +579,23 @@ def test_inside_noise_is_no_relief(browser: Any) -> None:
         assert rough[1] < 0.5 * rough[0]
 
 
+def test_the_colours_below_the_dark_view_inside_are_those_of_the_wall(browser: Any, viewer: Any) -> None:
+    """From inside, the wall has the colours of the light page: bit size is white."""
+    address = "#md=1010&sec=10&tab=3d&theme=dark&quantity=over&camera="
+    middle = (
+        "(() => { const ink = document.getElementById('ink'); const ratio = ink.width / ink.clientWidth;"
+        " const [low, high] = ink.labels.filter(({ text, bottom }) => /^[−0-9.]+$/.test(text)"
+        "   && bottom > ink.clientHeight - 20).slice(-2);"
+        " const x = (low.right + high.left) / 2; const y = (low.top + low.bottom) / 2;"
+        " return [...ink.getContext('2d').getImageData(x * ratio, y * ratio, 1, 1).data]; })()"
+    )
+    for camera, light in (("outside", False), ("down", True)):
+        screen = Screen(browser, viewer.url, address + camera, (1366, 768), drawn=False)
+        screen.settle()
+        assert (screen.evaluate(middle)[0] > 128) == light, camera
+        screen.close()
+
+
 def test_inside_is_true_to_scale_with_depths_however_long_the_section_is(browser: Any, viewer: Any) -> None:
     screen = Screen(browser, viewer.url, "#md=1015&sec=30&camera=down&tube=10&tab=3d", (1366, 768))
     screen.settle()

@@ -1,6 +1,7 @@
 // The colours of a quantity with their values: in the head of its image, or in one line below the hole if no image is shown.
 
 import { beyondEnds, MAPS, themed } from './color.js';
+import { isInside } from './inside.js';
 import { fitting, label, PALETTES, SMALL } from './layout.js';
 import { scaleOf, unitOf } from './units.js';
 
@@ -11,11 +12,11 @@ const LEAST = 60;
 
 // Draw the colours, 8 pixels high. An end is pointed if values of the section lie beyond it; such values have the colour of this
 // end.
-/** @param {Ink} ink @param {Look} look @param {number} left @param {number} top @param {number} width */
-export function drawColours(ink, look, left, top, width) {
+/** @param {Ink} ink @param {Look} look @param {number} left @param {number} top @param {number} width @param {boolean} [dark] */
+export function drawColours(ink, look, left, top, width, dark = look.view.theme === 'dark') {
   const { view, quantity } = look;
   const colours = ink.createLinearGradient(left, 0, left + width, 0);
-  const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
+  const { anchors } = MAPS[themed(quantity.map, dark)];
   anchors.forEach((c, i) => colours.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
   const [under, over] = quantity.dynamic ? [false, false] : beyondEnds(look, quantity);
   ink.beginPath();
@@ -58,5 +59,5 @@ export function drawColourBar(ink, look, y) {
   label(ink, name, left + 2, y, { colour: palette.ink, font: SMALL });
   label(ink, ends[0], start - POINT - 4, y, { colour: palette.ink, align: 'right', font: SMALL });
   label(ink, ends[1], stop + POINT + 4, y, { colour: palette.ink, font: SMALL });
-  drawColours(ink, look, start, y - 4, stop - start);
+  drawColours(ink, look, start, y - 4, stop - start, view.theme === 'dark' && !isInside(view)); // inside are the colours of the light page
 }

@@ -72,7 +72,7 @@ function inWords(look, planes, tube, slide) {
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (outside && store.plan.length) words.push(...planInWords(look));
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
+  if (!outside) words.unshift(CAMERAS[view.camera], ...(path.surveyed && path.dial(view.middle).up !== null ? ['high side up'] : []), ...(look.dark && rects.image.width && themed(look.quantity.map, true) !== look.quantity.map ? ['colours of the light page'] : []));
   if (!outside && (look.light || look.quantity.mode === Q_ATTRIBUTE)) words.push(look.light ? `dark and light by ${look.light.name}` : 'clefts grey');
   return words;
 }
