@@ -81,7 +81,7 @@ class Window:
         self._newest_bit: list[int] = []  # the number of the frame of the newest bit depth
         self._apart = 0  # samples of passes that the wall does not take
         self._used = self._stood = 0  # samples that were used, and of a string that did not turn
-        self._unused = ""
+        self._unused = False
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = self._channels_due = self._curves_due = 0.0
@@ -176,11 +176,11 @@ class Window:
         """Return why the radii that come are not used: the string does not turn; "" if the latest are, or none came."""
         model, before = self._live.model, (self._used, self._stood)
         self._used, self._stood = model.counts["drawn"] + self._apart, model.counts["flag NOT_ROTATING"]
-        if self._stood > before[1]:
-            self._unused = f"{'sliding' if model.rig.on_bottom else 'not turning'}: radii not used"
-        elif self._used > before[0]:
-            self._unused = ""
-        return self._unused
+        if model.rig.turns or self._used > before[0]:
+            self._unused = False
+        elif self._stood > before[1]:
+            self._unused = True
+        return f"{'sliding' if model.rig.on_bottom else 'not turning'}: radii not used" if self._unused else ""
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all its threads are running."""

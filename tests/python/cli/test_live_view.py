@@ -118,6 +118,9 @@ def test_the_page_knows_why_radii_are_not_used_and_shows_those_of_a_reaming_pass
         assert said(window, 108.0, 108.2, 0) == "sliding: radii not used"
         window.refresh({})
         assert window.scene.state.unused == "sliding: radii not used", "none came since"
+        live.receive("rig", wits.frame([(108, "108.00"), (110, "108.2"), (120, "90")]))
+        window.refresh({})
+        assert window.scene.state.unused == "", "it turns again: should no radius come, there is another reason"
         assert said(window, 105.0, 108.2, 0) == "not turning: radii not used"
         assert window.scene.state.newest == newest
         assert said(window, 104.0, 108.2, 60, activity=4) == ""

@@ -111,14 +111,19 @@ class RigHistory:
         return not hole.value[-1:] > self._latest("hole_depth", bit.order[-1:])
 
     @property
+    def turns(self) -> bool:
+        """Whether the string turns, by the latest rotation."""
+        return bool((self.tracks["rotation"].value[-1:] >= self._rules.rotating).any())
+
+    @property
     def pumps_may_be_off(self) -> bool:
-        """Whether a tool that sends by mud pulses may be silent: the string hangs in its slips, is tripped or does not
-        turn off bottom, and does not circulate, by the latest values."""
-        activity, rotation = (self.tracks[name].value[-1:].tolist() for name in ("activity", "rotation"))
-        turns = bool(rotation) and rotation[0] >= self._rules.rotating
-        if activity and activity[0] in TRIPPING:
-            turns = False
-        return self.at_rest or bool(self._off_bottom.values[-1:].any() and not (turns or activity == [CIRCULATING]))
+        """Whether a tool that sends by mud pulses may be silent, by the latest values.
+
+        The string hangs in its slips or, off bottom, is tripped, or neither turns nor circulates.
+        """
+        activity = self.tracks["activity"].value[-1:].tolist()
+        works = activity == [CIRCULATING] or (self.turns and not (activity and activity[0] in TRIPPING))
+        return self.at_rest or bool(self._off_bottom.values[-1:].any() and not works)
 
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
