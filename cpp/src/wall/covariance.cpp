@@ -64,8 +64,11 @@ constexpr Turns slowly{-slow, slow, 1.0, slow_along};
 constexpr std::size_t most_peaks = 6;    // that are climbed
 constexpr double likely_enough = 100.0;  // nats a block below the highest peak: a lower one is not climbed
 constexpr std::size_t long_along = 5;    // index of the length along the hole of the long term
-constexpr double least_share = 0.7;      // of the spacing of samples: the long term along the hole
-constexpr double enough = 0.003;         // nats a block; a smaller gain ends the search
+constexpr std::size_t odd_arms = 5;      // 1, 3, ... 9 arms
+constexpr double same_arms = 0.7;        // mean cosine of samples that lie as those of arms
+constexpr double least_alike = 0.5, farthest_alike = 15.0;  // metres along the hole
+constexpr double least_share = 0.7;                         // of the spacing of samples: the long term along the hole
+constexpr double enough = 0.003;                            // nats a block; a smaller gain ends the search
 constexpr int most_useful_threads = 8, few_steps = 8, steps = 20;
 constexpr double never = -std::numeric_limits<double>::infinity();
 
@@ -150,6 +153,7 @@ class Fit {
     std::vector<Place> peaks(const Place& one, Turns turns, const Place& other, Turns others);
     Place widened(Place from) const;
     Place with_turn(const Place& found, double least_turn, std::vector<Place>& others);
+    bool sees_opposite(const Place& of) const;
     Place with_half_turns(const Place& found);
     Place with_smooth(const Place& found);
     std::vector<Place> shared(const Place& first, std::vector<Place> others);
@@ -468,9 +472,38 @@ Place Fit::with_turn(const Place& found, double least_turn, std::vector<Place>& 
     return again.value > turned.value ? again : turned;
 }
 
+// Returns whether samples of the same shape lie opposite each other. Those of an odd number of arms do not: five arms
+// see three bulges around the hole as two. They do if the arms turn past the shape within its length along the hole.
+bool Fit::sees_opposite(const Place& of) const {
+    const double along = exponential(std::max(of.at[2], of.at[long_along]));
+    const double reach = std::clamp(along, least_alike, farthest_alike);
+    std::array<double, odd_arms> sums{};  // of cos(arms x angle): 1 arm, 3, ...
+    double pairs = 0.0;
+    std::vector<SineCosine> at(n_);
+    for (std::size_t b = 0; b < blocks_; ++b) {
+        const std::size_t first = b * size_;
+        for (std::size_t i = 0; i < n_; ++i) {
+            const double turned = toolface_[first + i] - of.turn * (along_[first + i] - along_[first]);
+            at[i] = sine_cosine_of_radians(wrap_toolface(turned) * (std::numbers::pi / 180.0));
+        }
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = i + 1; j < n_ && std::abs(along_[first + j] - along_[first + i]) <= reach; ++j) {
+                const double one = at[i].cosine * at[j].cosine + at[i].sine * at[j].sine, two = 2.0 * one * one - 1.0;
+                double before = one, now = one;
+                for (double& sum : sums) {
+                    sum += now;
+                    before = std::exchange(now, 2.0 * two * now - before);
+                }
+                pairs += 1.0;
+            }
+    }
+    return *std::ranges::max_element(sums) <= same_arms * pairs;
+}
+
 // Returns the likeliest place with a long term that repeats after half a turn, which is tried by a quarter of the
-// blocks; the one found, if it gains too little.
+// blocks; the one found, if it gains too little or no sample shows what lies opposite another.
 Place Fit::with_half_turns(const Place& found) {
+    if (!sees_opposite(found)) return found;
     const double gain = blocks_ > 1 ? small_half_gain : great_half_gain;
     Place tried[] = {found, found};
     tried[1].at = limits_.from(half_start);

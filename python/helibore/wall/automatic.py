@@ -137,7 +137,8 @@ def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> 
         samples = in_depth_order(without_biases(caliper, settings))
     if dense:  # near samples decide, whatever the turn is
         likely = [(likely[0][0], 1.0)]
-    stretches = find_stretches(samples, likely, settings.robust, threads)
+    plain = min((of for of, _ in likely), key=lambda of: (of.half_turns, abs(of.turn)))
+    stretches = find_stretches(samples, plain, settings.robust, threads)
     full, seed = near_and_far(likely[:1] if stretches else likely, settings, stretches), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")

@@ -7,8 +7,9 @@
 The chord is a distance in space, so C is positive definite whatever the lengths are. One sample also has the noise
 variance. The first term is short, the second is long; a third, fine one is there only if the samples show it. So is the
 turn: a breakout, say, may turn along the hole. If that is much likelier, the long term repeats after half a turn, as
-breakouts and ovals do: its chord is R sin of the whole angle, which is a distance too. If that is likelier, the short
-term is smooth, M(h) = exp(-h^2 / 2), so that a wall without roughness is averaged over more samples.
+breakouts and ovals do: its chord is R sin of the whole angle, which is a distance too. An odd number of arms that do
+not pass the shape cannot show this; it is then sought only beside turns that they leave open. If that is likelier, the
+short term is smooth, M(h) = exp(-h^2 / 2), so that a wall without roughness is averaged over more samples.
 
 The parameters maximise the restricted likelihood of the samples; of more than 300, that of small blocks: each block has
 64 samples from a window of the hole; windows are short and long, so that the blocks show what single samples, arms and

@@ -21,8 +21,8 @@ from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.thread_count import thread_count
 from helibore.wall.covariance import (
     BLOCK_SIZE,
+    Covariance,
     CovarianceFrom,
-    Likely,
     choose_blocks,
     content_seed,
     covariance_of,
@@ -44,12 +44,12 @@ Cut = tuple[list[int], list[int]]
 """The parts at which stretches begin, and the candidate of each stretch."""
 
 
-def find_stretches(samples: Columns, likely: Likely, robust: bool, threads: int | None) -> list[CovarianceFrom]:
+def find_stretches(samples: Columns, whole: Covariance, robust: bool, threads: int | None) -> list[CovarianceFrom]:
     """Return the stretches of a hole, whose samples are in order of depth; [] if it is alike all along.
 
-    ``likely``: the covariances of the whole hole. Below the samples, that of the whole hole counts again.
+    ``whole``: the covariance of the whole hole, of several likely ones that without turns. It counts again below the
+    samples.
     """
-    whole = likely[0][0]
     edges, rng = _edges(samples[0]), np.random.default_rng(content_seed(samples))
     if edges.size < 3:
         return []
@@ -62,10 +62,11 @@ def find_stretches(samples: Columns, likely: Likely, robust: bool, threads: int 
 
     parts = [np.arange(low, high) for low, high in pairwise(edges.tolist())]
     columns, blocks = blocks_of(parts, _OF_PART)
-    candidates = [of.values for of, _ in likely]
-    for of_whole in tuple(candidates):
-        starts = [of_whole] * len(parts)
-        candidates += map(tuple, _core.covariances_near(columns, BLOCK_SIZE, blocks, starts, spacing, workers))
+    starts = [whole.values] * len(parts)
+    candidates = [
+        whole.values,
+        *map(tuple, _core.covariances_near(columns, BLOCK_SIZE, blocks, starts, spacing, workers)),
+    ]
     likelihoods = _core.covariance_likelihoods(columns, BLOCK_SIZE, blocks, candidates, workers)
     weights = np.minimum(np.diff(edges) / BLOCK_SIZE, _MOST_BLOCKS)
     cuts, chosen = _join_alike(weights[:, None] * likelihoods, _cut(weights[:, None] * likelihoods))

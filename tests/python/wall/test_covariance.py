@@ -11,7 +11,14 @@ from reference import Floats, exactly, random_hole
 
 import helibore as hb
 from helibore import _core
-from helibore.wall.covariance import Covariance, Term, choose_blocks, content_seed, covariance_of, fit_covariance
+from helibore.wall.covariance import (
+    Covariance,
+    Term,
+    choose_blocks,
+    content_seed,
+    covariance_of,
+    fit_covariance,
+)
 
 
 def posterior(found: Covariance, depth: Floats, toolface: Floats, radius: Floats) -> float:
@@ -60,6 +67,20 @@ def test_opposite_sides_are_alike_in_breakouts_not_in_a_key_seat(sides: int, rep
     assert covariance_of(found.values) == found
     beside, opposite = found.at(np.array([0.0, 180.0]), np.zeros(2))
     assert (opposite > 0.9 * beside) == repeats
+
+
+@pytest.mark.parametrize("bulges", [2, 3])
+@pytest.mark.parametrize(("arms", "rate"), [(5, 0.0), (5, 30.0), (6, 3.0)])
+def test_an_odd_number_of_arms_shows_half_turns_only_if_they_pass_the_shape(
+    arms: int, rate: float, bulges: int
+) -> None:
+    depth = np.repeat(np.arange(0.0, 20.0, 0.1), arms)
+    toolface = (np.tile(360.0 / arms * np.arange(arms), 200) + rate * depth) % 360.0
+    shape = 0.004 * np.cos(np.radians(bulges * (toolface - 20.0))) * (1.0 + 0.3 * np.sin(depth))
+    noise = np.random.default_rng(1).normal(0.0, 3e-4, depth.size)
+    found = fit_covariance((depth, toolface, 0.11 + shape + noise))
+    assert found is not None
+    assert found.half_turns == (bulges == 2 and (arms == 6 or rate == 30.0))
 
 
 @pytest.mark.parametrize(

@@ -89,15 +89,15 @@ def test_the_sentence_says_that_the_hole_changes() -> None:
 
 def test_any_number_of_threads_finds_the_same_stretches() -> None:
     samples = in_depth_order(six_arms(3))
-    likely = likely_covariances(samples)
-    assert find_stretches(samples, likely, False, 1) == find_stretches(samples, likely, False, 3)
+    whole = likely_covariances(samples)[0][0]
+    assert find_stretches(samples, whole, False, 1) == find_stretches(samples, whole, False, 3)
 
 
 @pytest.mark.parametrize("count", [60, 5000], ids=["few", "many"])
 def test_samples_at_one_depth_are_one_stretch(count: int) -> None:
     toolface = np.linspace(0, 360, count, endpoint=False)
     samples = np.full(count, 7.0), toolface, 0.1 + 0.01 * np.cos(np.radians(toolface))
-    assert find_stretches(samples, likely_covariances(samples), False, None) == []
+    assert find_stretches(samples, likely_covariances(samples)[0][0], False, None) == []
 
 
 def test_expected_errors_are_those_of_the_stretches(wall: hb.Wall) -> None:
