@@ -522,7 +522,7 @@ class TestPage:
         screen.evaluate(
             "(() => { const { wells } = window.__wall; window.__saved = 0;"
             " const draw = wells.draw.bind(wells); wells.draw = () => { draw();"
-            " if (document.getElementById('ink').slide) window.__saved++; };"
+            " if (document.getElementById('ink').slide) { window.__saved++; window.__tiles = well.mostTiles; } };"
             " const [well] = wells.wells; const { tiles } = well.store.levels[0];"
             " window.__tile = tiles.get(0); tiles.delete(0); well.ask = () => {}; })()"
         )
@@ -532,6 +532,8 @@ class TestPage:
             assert screen.evaluate("window.__saved") == 0, "it waits"
             screen.evaluate("window.__wall.wells.wells[0].store.levels[0].tiles.set(0, window.__tile)")
         assert screen.evaluate("window.__saved") == 1
+        tiles = screen.evaluate("[window.__tiles, window.__wall.wells.wells[0].mostTiles]")
+        assert tiles == [256, 64], "of a picture, and of the page, which is drawn while it moves"
         screen.close()
 
     def test_a_slide_of_the_scene_is_filled_and_says_how_sure_dips_are_and_what_has_no_data(self, browser: Any) -> None:

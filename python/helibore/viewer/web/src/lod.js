@@ -6,6 +6,7 @@
 export const COL_STRIDES = [1, 2, 4, 8];
 export const ROW_STRIDES = [1, 4, 16, 64];
 export const FINE_TILES = 64; // of the wall at once, on the page
+export const MOST_TILES = 256; // of a picture: more than on the page, which is drawn while it moves
 const TARGET = 4.5; // pixels: a coarse edge may be this long
 
 /** @param {number[]} strides @param {number} pixels @param {number} limit */

@@ -8,7 +8,7 @@ import { anglesOf } from './dips.js';
 import { byId } from './dom.js';
 import { BOLD, FONT, label, layout, PALETTES, SMALL } from './layout.js';
 import { endOf, eyeDepth, isInside } from './inside.js';
-import { FINE_TILES } from './lod.js';
+import { FINE_TILES, MOST_TILES } from './lod.js';
 import { drawNet } from './net.js';
 import { BAND, SLIDE } from './slide.js';
 import { marksOf } from './sureness.js';
@@ -20,7 +20,6 @@ const WIDE = 3840; // pixels of a saved picture, as a slide has at most
 export const FINE = 2; // pixels of drawings in an SVG for each CSS pixel
 const SLIDE_CLEAR = 28; // pixels above and below the section: a slide has no controls
 const WAIT = 15_000; // milliseconds
-const MOST_TILES = 256; // of a picture: more than on the page, which is drawn while it moves
 const ROW = 17; // pixels of a pick in the list below
 const WORDS = 66; // pixels of the words between them
 const SIDE = { least: 210, most: 420, share: 16 / 9 }; // pixels across of stereonet, rose and list at the right, which make the picture 16 to 9

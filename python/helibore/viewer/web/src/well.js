@@ -22,6 +22,7 @@ export class Well {
   words = '';
   east = 0; // metres to the east of where its path has it
   hidden = false;
+  mostTiles = FINE_TILES; // at once: a longer part is drawn from the overview
   /** @type {number[]} */
   wanted = []; // tiles of what was drawn last
 
@@ -88,9 +89,9 @@ export class Well {
   ask(...[top, bottom]) {
     const wall = this.store.levels[0];
     const seen = wall.tilesBetween(top, bottom);
-    const wanted = (this.wanted = seen.length > FINE_TILES ? [] : seen);
+    const wanted = (this.wanted = seen.length > this.mostTiles ? [] : seen);
     for (const [index, tile] of wall.tiles) {
-      if (wanted.includes(index) || wall.tiles.size <= FINE_TILES) continue;
+      if (wanted.includes(index) || wall.tiles.size <= this.mostTiles) continue;
       tile.textures?.dispose();
       wall.tiles.delete(index);
     }
@@ -99,7 +100,7 @@ export class Well {
 
   /** @param {number} top @param {number} bottom */
   pieces(top, bottom) {
-    return coverage(this.store, top, bottom, this.store.levels[0].tilesBetween(top, bottom).length <= FINE_TILES);
+    return coverage(this.store, top, bottom, this.store.levels[0].tilesBetween(top, bottom).length <= this.mostTiles);
   }
 
   // Return this well's quantity with the id and colours of another well's; grey, if it has none of this id.

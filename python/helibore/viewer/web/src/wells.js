@@ -14,7 +14,7 @@ import { FLAT } from './flat.js';
 import { Context } from './gl.js';
 import { Gpu, PROGRAMS } from './gpu.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
-import { niceStep } from './lod.js';
+import { FINE_TILES, MOST_TILES, niceStep } from './lod.js';
 import { cutFor, CUTS, cutsOf } from './path.js';
 import { applyTheme } from './panel.js';
 import { save } from './saving.js';
@@ -359,6 +359,8 @@ export class Wells {
   // It waits for what has not arrived, at most WAIT.
   /** @param {'png' | 'svg' | 'slide'} kind @param {number} [began] @returns {void} */
   savePicture(kind, began = performance.now()) {
+    for (const well of this.drawn) well.mostTiles = MOST_TILES;
+    this.draw();
     if (this.drawn.some(({ lacks }) => lacks) && performance.now() - began < WAIT) return void setTimeout(() => this.savePicture(kind, began), 50);
     const vector = kind === 'svg';
     const file = `wells-${this.mode}.${kind === 'slide' ? 'slide.png' : kind}`; // of the picture, though the mode changes before it is made
@@ -397,6 +399,7 @@ export class Wells {
     if (!vector) ink.drawImage(inks, 0, BAND, width, height - BAND);
     sharpen(0);
     byId('stage').removeAttribute('style');
+    for (const well of this.drawn) well.mostTiles = FINE_TILES;
     if (whole) scene.restore(eye.from, eye.target);
     this.redraw();
     /** @param {Blob | null} blob */
