@@ -481,6 +481,16 @@ def test_at_rest_each_way_names_its_body_and_each_place_is_named_once(browser: A
         where = ["2.0 m", "stabiliser, −6 mm at 1014.0 m; bit down in 4.0 m"]
         assert screen.evaluate(f"({CELL})('rigWhere')")[1:] == where
         assert screen.inner_text("#alarmText") == "Tight −9 mm at 1024, −8 mm at 1028, −6 mm at 1013 m", "all three"
+        of = {"kind": "undergauge", "severity": 2.0, "confidence": 0.9, "measured": None}
+        parts = (1024.0, 1024.4, -0.009), (1024.5, 1024.9, -0.0102)
+        zones = tuple(of | {"start": top, "stop": end, "measure": size} for top, end, size in parts)
+        viewer.scene.update_state(zones=zones)
+        screen.until("window.__wall.app.zones.length === 2")
+        screen.settle()
+        assert screen.inner_text("#alarmText") == "Tight −9 mm at 1024, −8 mm at 1028, −6 mm at 1013 m", "one place"
+        assert screen.evaluate("window.__wall.app.renderer.look().zones.length") == 3
+        viewer.scene.update_state(zones=())
+        screen.until("!window.__wall.app.zones.length")
         held = {"clearance": -0.008, "low": -0.009, "high": -0.007, "depth": 1013.5}
         string["hanging"] = [free | {"name": "bit"}, free | held | {"name": "stabiliser"}]
         viewer.scene.update_state(string=string, ahead=ahead | {"down": {"places": (here, below, deep)}})

@@ -25,7 +25,7 @@ export const shortOf = (alarm) => {
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
 /** @param {Zone} a @param {Zone} b */
-export const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
+const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
 /** @param {Zone[]} before @param {Zone[]} now */
 export const newZones = (before, now) => now.filter((zone) => !before.some((old) => overlap(old, zone)));
 

@@ -1,7 +1,7 @@
 // The digits of rig mode, which are read from three metres. Four questions have a place each, which never changes its meaning:
 // where the bit is, whether data come, the place to know first and how sure it is, and the clearance of each body of the string.
 
-import { overlap, shortOf } from './alarms.js';
+import { shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
 import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, NO_BIT, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
@@ -338,13 +338,17 @@ function alarmed(app) {
   return [...new Set([...alarms.zones, ...held])].filter((zone) => !isPassed(app, zone));
 }
 
+// Whether a zone is undergauge hole of a tight place, which may have several.
+/** @param {FirstPlace} place @param {Zone} zone */
+const isPartOf = ({ start, stop }, zone) => zone.kind === 'undergauge' && zone.start < stop && start < zone.stop;
+
 // Return the zones that the picture names: where the string sticks, what passes there counts, as in the digits; what it passes is none.
 /** @param {App} app @returns {Zone[]} */
 export function zonesInRig(app) {
   const tight = tightNow(app);
   /** @param {FirstPlace} of @returns {Zone} */
   const asZone = ({ start, stop, measure, zone, sure }) => ({ kind: 'undergauge', severity: 1, confidence: sure, measured: null, ...zone, start, stop, measure, name: 'tight' });
-  const others = app.zones.filter((zone) => !isPassed(app, zone) && !tight.some((of) => of.zone === zone));
+  const others = app.zones.filter((zone) => !isPassed(app, zone) && !tight.some((of) => isPartOf(of, zone)));
   return [...others, ...tight.map(asZone)].sort((a, b) => a.start - b.start);
 }
 
@@ -360,7 +364,7 @@ export function placesOf(app, whole) {
   const tightOne = (of) => ({ ...of, name: `tight ${sideOf(of, app.bit)}` });
   /** @param {Zone} zone @returns {Named} */
   const zoneOne = (zone) => {
-    const own = tight.find((of) => of.zone && overlap(of.zone, zone));
+    const own = tight.find((of) => isPartOf(of, zone));
     return own ? tightOne(own) : { ...zone, name: zone.kind, sure: zone.confidence };
   };
   const feed = alarms.said().map((alarm) => {
