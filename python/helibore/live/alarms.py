@@ -390,7 +390,8 @@ class Alarms:
             state = self._states[name]
             if state == "ended":
                 continue
-            if resting and (source.caliper or source.images) and "bit_depth" not in source.rig:
+            is_tool = bool(source.caliper or source.images) and "bit_depth" not in source.rig
+            if resting and is_tool and ("no_data", name) not in self._active:
                 self._rested[name] = now
             if min(ages[name], (now - self._rested.get(name, -(1 << 62))) / SECOND) > source.silence:
                 found["no_data", name] = f"nothing has come for {source.silence:g} s"

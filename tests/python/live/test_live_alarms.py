@@ -101,6 +101,10 @@ def test_a_tool_may_be_silent_while_its_pumps_may_be_off(items, alarms):
         clock.step(10)
     found.check()
     assert rules(found) == [("no_data", "mwd")] * alarms
+    if alarms:
+        live.receive("rig", wits.frame([(110, "120"), (108, "112"), (107, "3"), (120, "0")]))
+        found.check()
+        assert rules(found) == [("no_data", "mwd")], "it was due before the string was lifted"
     live.receive("rig", wits.frame([(110, "120"), (108, "120"), (107, "2"), (120, "60")]))
     clock.step(50)
     found.check()
