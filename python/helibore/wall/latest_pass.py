@@ -3,7 +3,7 @@
     samples, also of passes that the wall does not take
             -> row of 0.25 m -> its passes: the tool turned back, or came back -> median of the changes by direction
                                     |-> 1 mm and 3 standard errors: what the latest pass saw again is left out
-    radii in order of time -> one value 50 times in a row: the tool was stuck, and has measured nothing
+    radii in order of time -> one value 50 times in a row: the sensor was stuck, and has measured nothing
 
 A wall takes all samples of its passes. Where a hole was reamed between two passes, its radii lie between the sizes that
 both saw, a reaming pass may have seen what the wall has not, and a stuck tool makes hole of one size. So whoever says
@@ -32,6 +32,8 @@ CHANGED, ERRORS = 0.001, 3.0
 """Metres and standard errors by which the wall must have moved."""
 STUCK, STUCK_ROUNDED, ROUNDED = 50, 600, 0.2
 """Equal radii in a row; the same if more than ROUNDED of all others repeat the one before, as rounded values do."""
+MOST_SENSORS = 12
+"""Samples at one time that are those of several sensors; more are those of one, sent together."""
 BESIDE, AROUND = 1.0, 4.0
 """Metres from a sample that is left out within which the wall is drawn again, and within which samples count for it."""
 SAMPLE = np.dtype([(name, np.float64) for name in ("depth", "toolface", "radius", "time")])
@@ -142,15 +144,25 @@ def _differ(old: Integers, before: Floats, new: Integers, now: Floats) -> bool:
 
 
 def stuck(depth: Floats, _: Floats, radius: Floats, time: Floats) -> Mask:
-    """Return which samples belong to so many equal radii in a row that the tool was stuck."""
-    order = np.lexsort((depth, time))
-    equal = np.diff(radius[order]) == 0
-    found = np.zeros(len(depth), bool)
-    runs = [(first, stop) for first, stop in runs_of(equal) if stop - first + 1 >= STUCK]
-    long = sum(stop - first for first, stop in runs)
-    others = len(equal) - long
-    rounded = others <= 0 or (np.count_nonzero(equal) - long) / others > ROUNDED
-    for first, stop in runs:
-        if stop - first + 1 >= (STUCK_ROUNDED if rounded else STUCK):
-            found[order[first : stop + 1]] = True
+    """Return which samples belong to so many equal radii in a row that the tool was stuck.
+
+    Of sensors that send at one time, a value in a row is one that comes at each time.
+    """
+    times, at = np.unique(time, return_inverse=True)
+    beside = radius.size / times.size
+    by_time, by_value = np.lexsort((depth, time)), np.lexsort((at, radius))
+    equal = np.diff(radius[by_time]) == 0
+    again = (np.diff(radius[by_value]) == 0) & (np.diff(at[by_value]) <= 1)
+    found = np.zeros(radius.size, bool)
+    for order, repeats, many in ((by_time, equal, 1.0), (by_value, again, beside)):
+        if many > MOST_SENSORS:
+            continue
+        runs = [(first, stop) for first, stop in runs_of(repeats) if stop - first + 1 >= STUCK]
+        long = sum(stop - first for first, stop in runs)
+        others = len(repeats) - long
+        share = (np.count_nonzero(repeats) - long) / others if others > 0 else 1.0
+        rounded = 1 - (1 - share) ** (1 / many) > ROUNDED
+        for first, stop in runs:
+            if stop - first + 1 >= (STUCK_ROUNDED if rounded else STUCK):
+                found[order[first : stop + 1]] = True
     return found

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.wall.latest_pass import SAMPLE, latest_pass, superseded
+from helibore.wall.latest_pass import SAMPLE, latest_pass, stuck, superseded
 
 BIT = 0.216
 REAMED = (1010.0, 1011.5)
@@ -96,10 +96,27 @@ def test_a_few_samples_of_one_side_supersede_nothing():
 @pytest.mark.parametrize(("digits", "found"), [(7, True), (3, False)], ids=["stuck", "rounded"])
 def test_hole_in_which_the_tool_sent_one_radius_is_not_measured(digits, found):
     depth, toolface, radius, time = scan(1000, 1020, 0.0, 0.217, 3)
-    stuck = (depth > 1012) & (depth < 1014)
-    wall = drawn((depth, toolface, np.round(np.where(stuck, 0.1085, radius), digits), time))
+    constant = (depth > 1012) & (depth < 1014)
+    wall = drawn((depth, toolface, np.round(np.where(constant, 0.1085, radius), digits), time))
     last = latest_pass(wall._state(), was_stuck=True)
     inside = (wall.depth > 1012.3) & (wall.depth < 1013.7)
     assert last.sampled[inside].any() == (not found)
     assert latest_pass(wall._state()).sampled[inside].all(), "only who watches the tool knows that it was stuck"
     assert last.sampled[~((wall.depth > 1011.5) & (wall.depth < 1014.5))].mean() > 0.9
+
+
+@pytest.mark.parametrize("digits", [6, 4])
+@pytest.mark.parametrize("stopped", [[2], [0, 1, 2, 3]], ids=["one of four", "all"])
+def test_what_a_stuck_sensor_of_several_sent_is_not_measured(stopped, digits):
+    """Four sensors send together; each that is stuck has a value of its own."""
+    draw = np.random.default_rng(4)
+    depth = np.repeat(np.arange(1000.0, 1020.0, 0.02), 4)
+    sensor = np.arange(depth.size) % 4
+    toolface = (np.repeat(np.arange(depth.size // 4) * 77.3, 4) + 90 * sensor) % 360
+    radius = np.round(0.1085 + draw.normal(0, 0.0005, depth.size), digits)
+    held = np.isin(sensor, stopped) & (depth > 1012)
+    radius[held] = (0.1071 + 0.0004 * sensor)[held]
+    order = np.lexsort((toolface, depth))  # a wall has the samples of one depth in any order
+    found = stuck(depth[order], toolface[order], radius[order], 50 * depth[order])
+    assert found[held[order]].mean() > 0.98
+    assert found[~held[order]].mean() < 0.02
