@@ -6,7 +6,8 @@
 Each part of the hole has blocks of samples, and the covariance that is likeliest by them. Those of all parts, and that
 of the whole hole, are candidates: each has a likelihood in each part. The hole is cut into the stretches that are
 likeliest, each with one candidate; each further stretch must gain `_GAIN` nats. Stretches that one candidate suits
-about as well are alike: they share the covariance that is likeliest by the samples of all of them.
+about as well are alike: they share the covariance that is likeliest by the samples of all of them. Each border is then
+moved to where it is likeliest within the two parts beside it, by slices of them.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ _OF_PART, _OF_STRETCH = 2, 12
 """Blocks of each kind, of a part and of stretches that are alike."""
 _MOST_BLOCKS = 4
 """A part counts as so many blocks, at most: the likelihood of many samples of one metre says too little of the rest."""
+_SLICES, _OF_SLICE = 16, 8
+"""Of the two parts beside a border, and samples of a slice, at least."""
 _GAIN = 40.0
 """Nats that one more stretch must gain. With half as many, a hole with a breakout in every other metre has a stretch
 for each of them, and a worse wall."""
@@ -82,8 +85,21 @@ def find_stretches(samples: Columns, whole: Covariance, robust: bool, threads: i
         kind: covariance_of((float(f"{np.median(samples[2][rows]):.5g}"), *of[1:]))
         for kind, rows, of in zip(kinds, alike, fitted, strict=True)
     }
-    begins = samples[0][edges[cuts]].tolist()
-    found = [CovarianceFrom(start, covariances[kind]) for start, kind in zip(begins, chosen, strict=True)]
+    begins = edges[cuts]
+    for border in range(1, len(cuts)):
+        low, high = max(begins[border - 1], edges[cuts[border] - 1]), edges[cuts[border] + 1]
+        slices = np.linspace(low, high, _SLICES + 1).astype(np.int64)
+        size = min(int(np.diff(slices).min()), BLOCK_SIZE)
+        if size >= _OF_SLICE:
+            some = [np.sort(rng.choice(np.arange(*of), size, replace=False)) for of in pairwise(slices.tolist())]
+            columns = values_without_spikes(samples, np.concatenate(some), robust)
+            sides = [covariances[kind].values for kind in chosen[border - 1 : border + 1]]
+            of_sides = _core.covariance_likelihoods(columns, size, 1, sides, workers)
+            begins[border] = slices[_likeliest_border(of_sides)]
+    found = [
+        CovarianceFrom(start, covariances[kind])
+        for start, kind in zip(samples[0][begins].tolist(), chosen, strict=True)
+    ]
     return [*found, CovarianceFrom(float(np.nextafter(samples[0][-1], np.inf)), whole)]  # of what is drilled later
 
 
@@ -117,6 +133,12 @@ def _cut(likelihoods: Floats) -> Cut:
         cuts.insert(0, stop)
         chosen.insert(0, candidate)
     return cuts, chosen
+
+
+def _likeliest_border(likelihoods: Floats) -> int:
+    """Return the slice at which the lower of two stretches begins, (slices, 2) nats; each has one slice or more."""
+    above, below = likelihoods.T
+    return 1 + int(np.argmax(np.cumsum(above)[:-1] + np.cumsum(below[::-1])[-2::-1]))
 
 
 def _join_alike(likelihoods: Floats, cut: Cut) -> Cut:

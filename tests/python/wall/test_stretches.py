@@ -70,6 +70,17 @@ def test_the_stretch_of_an_event_holds_it_and_below_the_samples_the_whole_hole_c
     assert below.covariance.values == wall.settings.covariance
 
 
+@pytest.mark.parametrize("border", [13.1, 13.4, 13.8])
+def test_a_border_lies_where_the_hole_changes(border: float) -> None:
+    depth = np.arange(0.0, 30.0, 0.01)
+    toolface = (depth * 1237.0) % 360.0
+    rough = 0.004 * np.cos(np.radians(2.0 * toolface)) * np.cos(9.0 * (depth - border))
+    noise = np.random.default_rng(8).normal(0.0, 3e-4, depth.size)
+    radius = 0.156 + np.where(depth < border, 0.0, rough) + noise
+    found = choose(hb.Caliper(depth, toolface, radius), hb.Settings(bit_diameter=BIT, estimator="automatic"))
+    assert [of.start for of in stretches_of(found.settings)][2] == pytest.approx(border, abs=0.25)  # two slices
+
+
 def test_the_settings_of_stretches_repeat_the_wall(wall: hb.Wall) -> None:
     again = hb.reconstruct(six_arms(3), **vars(wall.settings))
     np.testing.assert_array_equal(again.radius, wall.radius)
