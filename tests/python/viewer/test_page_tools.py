@@ -659,6 +659,22 @@ def test_inside_the_line_of_a_pick_lies_on_the_wall_as_in_the_log(browser: Any) 
         screen.close()
 
 
+def test_inside_the_words_of_a_pick_stand_above_its_line_where_a_slide_has_no_room_below(browser: Any) -> None:
+    """Below a line that fills the pane stand the compass and the words at the foot."""
+    with hb.view(MadeWall(60_000), path=curved_path()) as viewer:
+        pick = Pick(kind="fracture", depth=1018.0, toolface=200.0, apparent_dip=8.0)
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        screen = Screen(browser, viewer.url, "#md=1018&sec=3&camera=down&at=1018_200", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 1")
+        screen.settle()
+        labels = labels_of_slide(screen)
+        words = [one for one in labels if re.match(r"fracture at|dip \d", one["text"])]
+        (up,) = [one for one in labels if one["text"] == "U" and one["left"] > 500]
+        assert len(words) == 2
+        assert max(one["bottom"] for one in words) < up["top"], "above the hole's upper side"
+        screen.close()
+
+
 def test_inside_a_top_without_a_pick_is_level(browser: Any) -> None:
     wall = MadeWall(60_000)
     wall.intervals = (hb.Interval("Draupne", 1018.0, 1030.0),)

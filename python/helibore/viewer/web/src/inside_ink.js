@@ -14,7 +14,7 @@ import { LENGTHS, showAngle, showDepth } from './units.js';
 import { ticks } from './view.js';
 
 const FAINTEST = 14; // pixels: a smaller ring is not drawn
-const BELOW = 1.25; // half heights of a plane's line from its middle to its words, which then stand below the cleft
+const BELOW = 1.25; // half heights of a plane's line from its middle to its words, which then stand below the cleft or, without room there, above it
 const APART = 2.5; // radii of the hole between two rings, at least
 const SMALLEST = 0.03; // of the pane: a smaller ring has no label, and a smaller ring of a top is not drawn
 /** @type {Pair[]} */
@@ -58,7 +58,9 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
       const angles = azimuth ? `dip ${showAngle(plane.dip, 0)}${steep} toward ${showAngle(plane.azimuth, 0)}${towards}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)}${path.surveyed ? '' : steep} apparent dip`;
       const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
       const middle = (Math.min(...y) + Math.max(...y)) / 2;
-      const low = Math.min(middle + BELOW * (Math.max(...y) - middle) + 16, rect.height - foot - 16 * words.length);
+      const far = BELOW * (Math.max(...y) - middle);
+      const [below, lowest, above] = [middle + far + 16, rect.height - foot - 16 * words.length, middle - far - 16 * words.length];
+      const low = below <= lowest || above < (ink.canvas.slide ? 16 : HEAD) ? Math.min(below, lowest) : above;
       texts.push({ away: 0, isDepth: false, write: () => words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour })) }); // above the rings, which would strike it through
     } else {
       const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
