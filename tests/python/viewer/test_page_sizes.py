@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -121,3 +122,45 @@ def test_a_narrow_section_names_the_angles_above_and_below_it_alone(browser: Any
         across = [x for x0, _, x1, _ in strokes for x in (x0, x1)]
         assert max(across) - min(across) > 90, "its outer ring"
         screen.close()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_no_column_of_the_list_of_zones_leaves_its_place(browser: Any, size: tuple[int, int]) -> None:
+    wall = MadeWall(60_000)
+    wall.radius[(wall.depth > 1023.0) & (wall.depth < 1025.0)] += 0.06
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#tab=zones" if size[0] < 1000 else "", size, drawn=False)
+        screen.until("window.__wall.app.zones.some(({ measure }) => measure > 0.1)")
+        screen.settle()
+        assert re.search(r"[+]1\d\d$", screen.evaluate("zones.children[1].children[3].textContent"))
+        wider = (
+            "[...zones.querySelectorAll('span')].filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent)"
+        )
+        assert screen.evaluate(wider) == []
+        screen.close()
+
+
+def test_where_the_sizes_of_zones_have_no_room_the_worst_has_its_own(browser: Any) -> None:
+    wall = MadeWall(60_000)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1047&sec=500", SIZES[1], drawn=False)
+        screen.until("window.__wall.app.zones.length === 4")
+        screen.settle()
+        sizes = {one["text"] for one in screen.evaluate("ink.labels") if re.match("[WB] [+]", one["text"])}
+        assert sizes == {"W +42", "W +41", "B +31"}, "a breakout beside a washout gives way"
+        screen.close()
+
+
+def test_a_phone_says_how_much_of_a_turn_without_a_zone_is_measured(browser: Any) -> None:
+    """Nobody shall take hole that was not measured for hole without a zone."""
+    caliper = hb.Caliper.gauge(2000.0, 2010.0, 0.216)
+    away = abs(caliper.depth - 2005.0) > 1.5
+    seen = hb.Caliper(caliper.depth[away], caliper.toolface[away], caliper.radius[away])
+    with hb.view(hb.reconstruct(seen, bit_diameter=0.216, sectors=16)) as viewer:
+        said = set()
+        for depth in (2002.0, 2005.0):
+            screen = Screen(browser, viewer.url, f"#at={depth}_10&sec=10", SIZES[-1], drawn=False)
+            screen.settle()
+            said.add(screen.inner_text("#briefZone"))
+            screen.close()
+        assert said == {"no zone, 100 % of the turn measured", "no zone, 0 % of the turn measured"}

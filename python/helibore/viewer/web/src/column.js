@@ -11,7 +11,7 @@ import { drawString } from './string.js';
 import { edges, hatched, line, OUTSIDE, sharp } from './strokes.js';
 import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
-import { FRONT, LETTERS, mark } from './zones.js';
+import { bySeverity, FRONT, LETTERS, mark } from './zones.js';
 
 /** @param {Ink} ink @param {Look} look */
 export function drawColumn(ink, look) {
@@ -26,7 +26,7 @@ export function drawColumn(ink, look) {
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && !oldBit && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
   const cursor = view.cursor ? yOf(view, rect, view.cursor.depth) : NaN;
-  for (const zone of zones) {
+  for (const zone of bySeverity(zones)) { // where sizes have no room, the worst has its own
     const { kind, start, stop, measure } = zone;
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop))];
     if (b <= a) continue;

@@ -170,7 +170,8 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   const values = Object.fromEntries([...read, ...figures]);
   byId('briefDepth').textContent = showDepth(depth, view.units);
   const zone = zoneAt(zones, depth);
-  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone'; // one line, always: the log below keeps its height
+  const share = figures.flatMap(([name, value]) => (name === 'Turn measured' ? [`${value} of the turn measured`] : [])); // hole that nobody measured has no zone either
+  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : store.basis === 'gauge' ? 'not measured' : ['no zone', ...share].join(', '); // one line, always: the log below keeps its height
   byId('briefZone').style.borderColor = zone ? PALETTES[view.theme].zones[zone.kind] : '';
   const lacks = typeof view.cursor?.toolface === 'number' ? 'no data' : 'tap image'; // a depth alone is on no quad
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
