@@ -45,9 +45,9 @@ struct DrawnSections {
 };
 
 // Draws round, oval and lobed sections of many sizes, widths and directions, and slots of pipes, for a bit. Kinds:
-// gauge, washout, breakout, key seat, undergauge. `even`: as a tool sees them that measures diameters. A section that
-// equals itself turned by 180 degrees is there once for both. Chances: a gauge hole is lobed in one of fifteen cases,
-// though most gauge sections are; two small lobes, as a slot has them by diameters, are less likely than the slot.
+// gauge, washout, breakout, key seat, undergauge. `even`: as a tool sees them that measures diameters, to which no
+// section is a key seat. A section that equals itself turned by 180 degrees is there once for both. Chances: a gauge
+// hole is lobed in one of fifteen cases, though most gauge sections are.
 // Throws InputError if the bit has no size.
 DrawnSections section_library(double bit_diameter, const KindCriteria& criteria, bool even);
 

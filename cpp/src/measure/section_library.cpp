@@ -106,8 +106,9 @@ std::vector<Shape> all_shapes(double scale) {
     return shapes;
 }
 
-// Returns the kind of a section, as the criteria decide the kind of a turn.
-std::size_t kind_of(const Shape& shape, double bit_diameter, const KindCriteria& criteria) {
+// Returns the kind of a section, as the criteria decide the kind of a turn. `even`: both sides are as high, since a
+// diameter does not show on which side a hole is wide.
+std::size_t kind_of(const Shape& shape, double bit_diameter, const KindCriteria& criteria, bool even) {
     std::array<double, fine / 2> diameter{};
     for (std::size_t i = 0; i < diameter.size(); ++i)
         diameter[i] = bit_diameter + shape.length[i] + shape.length[i + fine / 2];
@@ -115,7 +116,8 @@ std::size_t kind_of(const Shape& shape, double bit_diameter, const KindCriteria&
     const double c1 = diameter[largest], c2 = diameter[(largest + fine / 4) % (fine / 2)];
     if (*std::ranges::min_element(diameter) < bit_diameter - criteria.undergauge) return 4;
     if (c2 - bit_diameter >= criteria.washout) return 1;
-    const bool both = shape.lower > 0.0 && 2.0 * shape.lower >= criteria.symmetry * (shape.lower + shape.higher);
+    const double all = shape.lower + shape.higher, lower = even ? all / 2.0 : shape.lower;
+    const bool both = lower > 0.0 && 2.0 * lower >= criteria.symmetry * all;
     if (!both && shape.higher >= criteria.key_seat) return 3;
     return both && c1 - c2 >= criteria.elongation ? 2 : 0;
 }
@@ -144,7 +146,7 @@ DrawnSections section_library(double bit_diameter, const KindCriteria& criteria,
     DrawnSections out;
     for (std::size_t kind = 0; kind < hole_kinds; ++kind)
         for (const Shape& shape : shapes) {
-            if (kind_of(shape, bit_diameter, criteria) != kind) continue;
+            if (kind_of(shape, bit_diameter, criteria, even) != kind) continue;
             const Parts parts = parts_of(shape.length, even);
             double square = 0.0;
             for (const double of : shape.length) square += (bit_diameter / 2.0 + of) * (bit_diameter / 2.0 + of);

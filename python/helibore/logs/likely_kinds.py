@@ -5,9 +5,9 @@
     evidence of a kind = mean over its sections of sum over scales f of p(f) f^-n exp(-chi^2 / 2 f^2)
 
 The library has round, oval and lobed sections of many sizes, widths and directions, and slots of pipes. The criteria
-say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`). Along the hole, one that is gauge by
-them is thought lobed in one of fifteen cases: two small lobes are less likely than one slot, of which diameters show
-the same. The factor f lets holes differ from the library more than 1.6 mm, so that other shapes do not make it too
+say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`): by diameters none is a key seat, since
+these do not show on which side a hole is wide. Along the hole, one that is gauge by them is thought lobed in one of
+fifteen cases. The factor f lets holes differ from the library more than 1.6 mm, so that other shapes do not make it too
 sure. A zone that no gauge section explains is not gauge, however little it resembles the other kinds; if no section at
 all explains it, its kind is not sure. Lengths are those of a hole of 8.5 in, scaled to the bit. ``python -m
 bench.accuracy.hazards`` measures how often the probabilities are right. The core draws the library and compares;

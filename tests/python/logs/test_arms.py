@@ -200,6 +200,32 @@ def test_a_key_seat_lies_on_its_side_also_if_most_axes_are_on_the_other_side_of_
     assert (zone.kind, zone.toolface) == ("key seat", pytest.approx(0.7, abs=0.2))
 
 
+def oval(_depth: np.ndarray, toolface: np.ndarray) -> np.ndarray:
+    return 0.111 + 0.004 * np.cos(np.radians(2 * (toolface - 60)))
+
+
+def slotted(_depth: np.ndarray, toolface: np.ndarray) -> np.ndarray:
+    away = np.abs((toolface - 60 + 180) % 360 - 180)
+    return 0.108 + 0.02 * np.maximum(1 - (away / 45) ** 2, 0)
+
+
+@pytest.mark.parametrize("shape", [oval, slotted])
+def test_diameters_show_no_key_seat_and_radii_do(shape: Any) -> None:
+    """A diameter does not show on which side the hole is wide."""
+    rng = np.random.default_rng(5)
+    depth = np.repeat(np.arange(0, 60, 0.15), 4)
+    arm = np.tile([0, 1, 2, 3], depth.size // 4)
+    toolface = (np.cumsum(rng.normal(0.8, 0.3, depth.size // 4)).repeat(4) + 90 * arm) % 360
+    radius = shape(depth, toolface) + rng.normal(0, 5e-4, depth.size)
+    rows = radius.reshape(-1, 4)
+    half = (rows + np.roll(rows, 2, axis=1)).ravel() / 2
+    of_radii, of_diameters = (
+        hb.reconstruct(hb.Caliper(depth, toolface, of, arm=arm), bit_diameter=BIT).zones() for of in (radius, half)
+    )
+    assert of_diameters.zones == ()
+    assert {zone.kind for zone in of_radii.zones} == (set() if shape is oval else {"key seat"})
+
+
 def test_an_arm_without_readings_has_no_diameter_there() -> None:
     caliper = four_arms(ellipse, length=20.0)
     keep = (caliper.depth < 5) | (caliper.depth > 15) | np.isin(caliper.arm, (0, 2))

@@ -148,6 +148,8 @@ def library(bit: float, criteria: Criteria, even: bool) -> tuple[Floats, Integer
     diameter = bit + fine[:, : FINE // 2] + fine[:, FINE // 2 :]
     row, largest = np.arange(len(fine)), diameter.argmax(axis=1)
     c1, c2 = diameter[row, largest], diameter[row, (largest + FINE // 4) % (FINE // 2)]
+    if even:  # a diameter does not show on which side a hole is wide
+        lower = higher = (lower + higher) / 2
     both = (lower > 0) & (2 * lower >= criteria.symmetry * (lower + higher))
     kind = np.zeros(len(fine), dtype=np.int64)
     kind[both & (c1 - c2 >= criteria.elongation)] = 2
@@ -259,7 +261,7 @@ def test_the_kind_of_a_zone_is_that_of_numpy(even, seed):
         np.exp(term - terms.max(axis=0))[:, None] * np.exp((squares.min(axis=1)[:, None] - squares) / (2 * scale**2))
         for term, scale in zip(terms, SCALES, strict=True)
     )
-    of_kinds = np.array([likely[:, kinds == code].mean(axis=1) for code in range(5)])
+    of_kinds = np.array([likely[:, kinds == code].sum(axis=1) / max((kinds == code).sum(), 1) for code in range(5)])
     total = np.log(PRIOR) + np.log(np.maximum(of_kinds, 1e-300)).mean(axis=1)
     misfit = squares / counts[:, None]
     if misfit[:, kinds == 0].min(axis=1).mean() > EXPLAINED**2:
