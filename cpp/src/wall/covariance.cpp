@@ -333,7 +333,7 @@ Place Fit::climb(Place now, std::size_t nth, int most_steps, Rooms rooms) const 
         if (!(found.value > now.value)) break;
         const double gain = found.value - now.value;
         now = found;
-        damping /= 5.0;
+        damping = std::max(damping / 5.0, 1e-4);
         if (gain < enough && (blocks_ > 1 || damping < 1e-2)) break;
         evaluate(now, nth, rooms, &of);
     }
