@@ -18,10 +18,11 @@ struct LikelyCovariance {
 // and the short term is smooth if that is likelier.
 // `samples` are blocks of `block_size` samples each. The parameters maximise the mean over the blocks of the restricted
 // likelihood, with weak priors. The noise variance of quantised radii is at least step^2 / 48. The long term is not
-// much shorter along the hole than `spacing`, the typical distance between samples in metres: it would be noise. The
-// first is the likeliest; if the samples do not show whether and whereto the shape turns, others follow, with two
-// terms, and each has its share of the probability. None has a turn of its own that is slower than `least_turn`,
-// degrees a metre: such turns are only some of several. With infinity none is sought, nor a fine term, nor half a turn.
+// much shorter along the hole than `spacing`, the typical distance between samples in metres, and the fine term not
+// shorter: it would be noise. The first is the likeliest; if the samples do not show whether and whereto the shape
+// turns, others follow, with two terms, and each has its share of the probability. None has a turn of its own that is
+// slower than `least_turn`, degrees a metre: such turns are only some of several. With infinity none is sought, nor a
+// fine term, nor half a turn.
 //
 // Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
 std::vector<LikelyCovariance> fit_covariance(const SampleColumns& samples, Index block_size, double radius,

@@ -40,7 +40,7 @@ constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.6, 0.02, 0.0};  // nats
 constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
 constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
 constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
-constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
+constexpr double fine_gain = 0.03;  // nats a block that a fine term must gain
 // Nats a block that a long term must gain by repeating after half a turn: in small blocks, and in one of all samples.
 constexpr double small_half_gain = 0.5, great_half_gain = 2.0;
 // A turn is tried at each whole degree a metre up to `slow`, with each of these lengths along the hole, and, for spiral
@@ -591,25 +591,17 @@ Place Fit::likeliest_start(const Place& kind) {
     return *std::ranges::max_element(found, {}, &Place::value);
 }
 
+// Sets the limits of the parameters. What is shorter than the samples are apart is noise: as a term, the wall would
+// follow it.
 void Fit::limit(double spacing) {
     const double r = radius_;
     limits_ = {{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, std::clamp(least_share * spacing, 0.02, 10.0), least_noise_,
-                1e-12, 0.003, 0.006},
+                1e-12, std::clamp(spacing, 0.003, 0.04), std::clamp(spacing, 0.006, 0.2)},
                {1e-2, 40.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
     for (std::size_t p = 0; p < most; ++p) {
         limits_.low[p] = logarithm(limits_.low[p]);
         limits_.high[p] = logarithm(limits_.high[p]);
     }
-}
-
-// Returns whether a fine term gains enough. The prior of the noise does not count: it favours noise that hides as a
-// fine term, shorter than the samples are apart, and the wall would then follow it.
-bool gains_fine(const Place& three, const Place& two) {
-    const auto without_prior = [](const Place& of) {
-        const double ratio = of.at[0] + logarithm(4.0) - of.at[noise];
-        return of.value + ratio_prior * ratio * ratio;
-    };
-    return without_prior(three) > without_prior(two) + fine_gain;
 }
 
 std::vector<Place> Fit::likely(double least_turn) {
@@ -659,7 +651,7 @@ std::vector<double> Fit::near(std::span<const double> covariance) {
         two.count = few;
         two.at[noise] = logarithm(exponential(from.at[noise]) + exponential(from.at[few]));
         two = climb(two, 1, steps, rooms_);
-        if (!gains_fine(found, two)) found = two;
+        if (found.value <= two.value + fine_gain) found = two;
     }
     return values_of(found, radius_);
 }
