@@ -185,7 +185,7 @@ def rewritten(path, **facts):
 @pytest.mark.parametrize(
     ("facts", "text"),
     [
-        ({"version": 9}, "PATH: version 9: this helibore reads version 4"),
+        ({"version": 9}, "PATH: version 9: this helibore reads version 3"),
         ({"salt": 1}, "PATH: belongs to another journal"),
         (
             {"meaning": "{}", "configuration": ""},

@@ -24,7 +24,7 @@ import numpy as np
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 
-FORMAT, VERSION = "helibore checkpoint", 4
+FORMAT, VERSION = "helibore checkpoint", 3
 KEPT = 2
 CONTENTS = "state.json"
 Arrays = list[Any]

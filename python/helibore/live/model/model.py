@@ -117,7 +117,7 @@ class Model:
         "fits", "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
         "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
-        "channels", "left", "apart",
+        "channels", "left", "apart", "_apart_counts",
     )  # fmt: skip
 
     def __init__(
@@ -167,7 +167,8 @@ class Model:
         self.watch = Watch(self._watched)
         self.channels = RigChannels(self._watched)
         self._frames: list[Frame] = []
-        self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in (*self.layers, APART)}
+        self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in self.layers}
+        self._apart_counts: dict[int, CellCounts] = {}
         self._set_limits()
 
     @property
@@ -378,7 +379,7 @@ class Model:
             seen, apart = self.apart[self.main].values, GrowingArray(SAMPLE)
             if hole.kickoff is not None:
                 apart.append(seen[seen["depth"] <= hole.kickoff])
-            self.apart, self._cell_counts[APART] = {**self.apart, names["main"]: apart}, {}
+            self.apart, self._apart_counts = {**self.apart, names["main"]: apart}, {}
         self.stations, self._drawn_layers, self.main = stations, names, names["main"]
         self.watch.begin_hole(hole.kickoff)
         self.rig.begin_hole()
@@ -400,7 +401,7 @@ class Model:
         self.watch.use(calipers, images, self.configuration.passes, self.configuration.depth.jump)
         self.channels.use(self.configuration.sources, self.configuration.passes.on_bottom)
         size = self.layers[self.main].settings
-        for counts in self._cell_counts.values():
+        for counts in (*self._cell_counts.values(), self._apart_counts):
             for number in (0, *self.readers):  # 0: the host
                 counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(
                     self.configuration.samples.most
@@ -771,7 +772,8 @@ class Model:
         if not (most := self.configuration.samples.most):
             return
         crowded = []
-        for source, counts in self._cell_counts[name].items():
+        of_sources = self._apart_counts if name == APART else self._cell_counts[name]
+        for source, counts in of_sources.items():
             of = np.flatnonzero(chosen & (rows["source"] == source))
             if len(of) and not (kept := counts.take(depth[of], rows["toolface"][of])).all():
                 chosen[of[~kept]] = False
