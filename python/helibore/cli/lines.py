@@ -192,6 +192,8 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
     if math.isfinite(azimuth.mean):
         lines.append(("", f"azimuth of breakouts {azimuth.mean:.0f} and {azimuth.mean + 180:.0f} deg from north"))
     criteria = facts_in(zones.criteria.facts(), unit).items()
+    if zones.fractures:
+        lines.append(("", zones.left_out()))
     return [*lines, ("", "; ".join(f"{name.removeprefix('criterion ')} {text}" for name, text in criteria))]
 
 

@@ -110,8 +110,6 @@ def logs(**options: Any) -> None:
 
     output, zones_file, by_interval = options["output"], options["zones"], options["interval_table"]
     dips = options["dips"]
-    if options["picks"] and not dips:
-        raise click.UsageError("--picks: only --dips writes picks")
     pairs = [split_pair("breakouts", text, "IMAGE=FILE") for text in options["breakouts"]]
     images = {name: Path(file) for name, file in pairs}
     tables = [output, *([zones_file] if zones_file else []), *images.values()]
@@ -137,6 +135,7 @@ def logs(**options: Any) -> None:
     if unknown:
         there = ", ".join(wall.images) or "none"
         raise InputError(f"image {unknown[0]!r}", f"the wall has no image of this name; it has {there}")
+    load_picks(run, options["picks"])
     with terminal.stage("measure", "Measuring"):
         measured = _measured(wall, options, run.reference)
         annuli = [measured.rows.annulus(size) for size in options["casing"]]
@@ -144,10 +143,8 @@ def logs(**options: Any) -> None:
         images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.found)
     written = 0
-    if dips:
-        if wall.path is None:
-            raise InputError("dips", "need the path of the hole: give --survey")
-        load_picks(run, options["picks"])
+    if dips and wall.path is None:
+        raise InputError("dips", "need the path of the hole: give --survey")
     if by_interval and not wall.intervals:
         raise InputError("intervals", "the wall has none: name a file of tops", setting="intervals.file")
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
@@ -213,13 +210,14 @@ def zones(**options: Any) -> None:
 
 
 def _found_zones(wall: Wall, options: dict[str, Any], _terminal: Terminal) -> tuple[LogTable, Lines]:
+    from helibore.logs.summary import summarize
     from helibore.logs.zones import classify
 
     criteria = criteria_of(wall, options)
     if wall.basis != "azimuthal":
         raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
     found = classify(wall, criteria)
-    return found.table(), zone_lines(found, wall.summary(), options["unit"])
+    return found.table(), zone_lines(found, summarize(wall._state(), zones=found), options["unit"])
 
 
 def write_table(
@@ -236,7 +234,9 @@ def write_table(
     run = open_run(options, terminal, (output,))
     options = own_options(run, verb, options)
     refuse_interval(run, options)
-    table, lines = measure(make_wall(run, options["threads"], terminal.stage).wall, options, terminal)
+    run = make_wall(run, options["threads"], terminal.stage)
+    load_picks(run, None)
+    table, lines = measure(run.wall, options, terminal)
     with terminal.stage("save", f"Writing {output.name}"):
         header = {"well": run.name} | header_of(run, options)
         save_table(in_unit(table, options["unit"]), output, header=header)

@@ -158,14 +158,19 @@ class Pick:
         slope, toolface = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
-    def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether a part of the pick's sinusoid or box lies between ``top`` and ``bottom``, metres.
+    def ends(self, bit_diameter: float) -> tuple[float, float]:
+        """Return the depths between which the pick's sinusoid or box lies, metres.
 
         If a plane has no radius, its sinusoid is computed with the radius of the bit, from ``bit_diameter``, metres.
         """
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
-        return self.depth - tall <= bottom and self.depth + tall >= top
+        return self.depth - tall, self.depth + tall
+
+    def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
+        """Return whether a part of the pick's sinusoid or box (`ends`) lies between ``top`` and ``bottom``, metres."""
+        start, stop = self.ends(bit_diameter)
+        return start <= bottom and stop >= top
 
     def dip(self, path: Path | None) -> tuple[float, float]:
         """Return true dip and dip azimuth of a plane, degrees.

@@ -15,12 +15,16 @@ A zone states the extremes of its turns, so that ENLARGE is the value that the l
 is the extreme of the length that the criterion limits, divided by this limit. Lists are sorted by severity times
 confidence.
 
+A washout at an open fracture that was picked is that fracture, not a zone: its turns are of no zone, and outputs say
+how many were left out.
+
 Stress is not computed here.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,6 +39,7 @@ from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
 from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.likely_kinds import section_libraries
+from helibore.logs.picks import Pick
 from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_samples, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria
 from helibore.samples.helix import WallLike
@@ -57,7 +62,9 @@ COLUMNS_OF_SIZES = {"enlargement": "enlarge", "elongation": "elong"}
 WORST = 5
 """Most zones that a notebook card lists."""
 
-BREAKOUT, KEY_SEAT = 2, 3
+WASHOUT, BREAKOUT, KEY_SEAT = 1, 2, 3
+ASIDE = 0.1
+"""Metres that a washout reaches beyond the trace of the open fracture that it is."""
 SURE, LIKELY = 0.8, 0.5
 """Least `Zone.confidence` of a zone whose kind is sure, and of any zone."""
 READ = (
@@ -167,10 +174,37 @@ class Classification(Tabular):
         In order of depth.
     criteria
         The criteria used.
+    fractures
+        Washouts that are open fractures which were picked; they are not among the ``zones``.
     """
 
-    def __init__(self, logs: Logs, kind: Integers8, zones: tuple[Zone, ...], criteria: Criteria) -> None:
-        self.logs, self.kind, self.zones, self.criteria = logs, kind, zones, criteria
+    def __init__(
+        self, logs: Logs, kind: Integers8, zones: tuple[Zone, ...], criteria: Criteria,
+        fractures: tuple[Zone, ...] = (),
+    ) -> None:  # fmt: skip
+        self.logs, self.kind, self.zones, self.criteria, self.fractures = logs, kind, zones, criteria, fractures
+
+    def without(self, picks: Iterable[Pick]) -> Classification:
+        """Return these zones without the washouts that lie within `ASIDE` of an open fracture among ``picks``."""
+        traces = [pick.ends(self.logs.bit_diameter) for pick in picks if pick.aperture]
+        fractures = tuple(
+            zone
+            for zone in self.of("washout")
+            if any(top - ASIDE < zone.start and zone.stop < bottom + ASIDE for top, bottom in traces)
+        )
+        if not fractures:
+            return self
+        kind, depth, half = self.kind.copy(), self.logs.depth, self.logs.height / 2
+        for zone in fractures:
+            kind[(kind == WASHOUT) & (depth + half > zone.start) & (depth - half < zone.stop)] = 0
+        zones = tuple(zone for zone in self.zones if zone not in fractures)
+        return Classification(self.logs, kind, zones, self.criteria, self.fractures + fractures)
+
+    def left_out(self) -> str:
+        """Return as text how many washouts are picked fractures; "" if none is."""
+        count = len(self.fractures)
+        are = "washouts are open fractures that were" if count > 1 else "washout is an open fracture that was"
+        return f"{count} {are} picked" if count else ""
 
     def of(self, kind: str) -> tuple[Zone, ...]:
         """Return the zones of a kind.
@@ -219,7 +253,10 @@ class Classification(Tabular):
 
     def facts(self) -> dict[str, str]:
         """Return the facts of the logs, the criteria, and the meaning of the numbers of ``CLASS``."""
-        return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES}
+        return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES, **self._said()}
+
+    def _said(self) -> dict[str, str]:
+        return {"left out": self.left_out()} if self.fractures else {}
 
     def table(self) -> LogTable:
         """Return the zones, one per row, with the criteria among the facts; without zones the table has no row."""
@@ -272,14 +309,16 @@ class Classification(Tabular):
         picture = curve_picture(
             np.where(self.kind < 0, np.nan, self.kind), self.logs.depth, f"class by depth: {CLASSES}"
         )
-        return card(repr(self), numbers | self.criteria.facts(), picture)
+        return card(repr(self), numbers | self._said() | self.criteria.facts(), picture)
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{len(self.of(kind))} {kind}" for kind in KINDS[1:] if self.of(kind))
         return f"Classification({len(self.kind)} turns: {counts or 'no zones'})"
 
 
-def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:
+def classify(
+    wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None, picks: Iterable[Pick] | None = None
+) -> Classification:
     """Classify the turns of a wall as gauge, washout, breakout, key seat or undergauge, as `Wall.zones` does.
 
     Parameters
@@ -291,6 +330,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     logs
         Result of `turn_logs` for this wall; None: those that `Wall.logs` returned, if somebody holds them and the wall
         is the same, or it is computed here.
+    picks
+        A washout at an open fracture among these is no zone (`Classification.without`); None: the picks of the wall.
 
     Raises
     ------
@@ -316,7 +357,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
         section_libraries(logs.bit_diameter, criteria),
         thread_count(getattr(wall, "threads", None)),
     )
-    return Classification(logs, kind, tuple(_zone(*row) for row in rows), criteria)
+    found = Classification(logs, kind, tuple(_zone(*row) for row in rows), criteria)
+    return found.without(getattr(wall, "picks", ()) if picks is None else picks)
 
 
 def _samples_of(wall: WallLike) -> tuple[Floats, Floats, Floats]:

@@ -39,7 +39,7 @@ from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_dep
 from helibore.plot.diameters import diameters
 from helibore.plot.hatching import mostly_interpolated
 from helibore.plot.interval_tracks import IntervalTrack
-from helibore.plot.picked import DipTrack, draw_picks, unpicked
+from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
 from helibore.plot.solid import Stretched, most_relief, turns_between
 from helibore.plot.tracks import (
@@ -216,7 +216,8 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_depth_scale(bottom - top)
-    zones = classify(state := wall._state(), drawing.criteria, turn_logs(state, sigma=_sigma(wall, last_turn=True)))
+    logs = turn_logs(state := wall._state(), sigma=_sigma(wall, last_turn=True))
+    zones = classify(state, drawing.criteria, logs, _picks(wall, drawing))
     turns = diameters(wall, zones.logs)
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
@@ -224,12 +225,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
     tracks: list[PlacedTrack] = [
-        DepthTrack(
-            scale,
-            true_depth(wall.path, drawing.elevation),
-            unpicked(zones.zones, _picks(wall, drawing), wall.settings.bit_diameter),
-            drawing.depth_unit,
-        )
+        DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
     ]
     tracks += [
         IntervalTrack(name, intervals, top, bottom, drawing.size_unit)

@@ -384,7 +384,9 @@ def _zones(zones: Classification | None, content: Content) -> str:
     found = zones.by_severity(content.top, content.bottom)
     criteria = f"Criteria: {in_html(criteria_text(content))}."
     if not found:
-        return f"<p>None. {criteria} No measured part of the hole meets one of these criteria.</p>"
+        return (
+            f"<p>None. {criteria} {_left_out(zones) or 'No measured part of the hole meets one of these criteria.'}</p>"
+        )
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
     head = ("Kind and its probability, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]",
@@ -403,8 +405,14 @@ def _zones(zones: Classification | None, content: Content) -> str:
         measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
         rows.append([f"{zone.kind} {sure}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
     note = " ".join(f"{name.capitalize()}: {text}." for name, text in SIZES.items()).replace(" - ", " − ")
-    text = f"<p>Worst first, by severity times confidence. {note} {_toolface(content)} {criteria}</p>"
+    text = (
+        f"<p>Worst first, by severity times confidence. {note} {_toolface(content)} {criteria} {_left_out(zones)}</p>"
+    )
     return text + table(head, rows, signs=map(_sign, found))
+
+
+def _left_out(zones: Classification) -> str:
+    return f"{zones.left_out()}." if zones.fractures else ""
 
 
 def _sign(zone: Zone) -> str:

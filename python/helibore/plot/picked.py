@@ -22,7 +22,6 @@ from helibore.plot.tracks import HEAD, SIDES, Stretch, bare_axes, depth_lines
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from helibore.logs.zones import Zone
     from helibore.trajectory.survey import Path
 
 MARKERS = {"bed": "o", "fracture": "s", "healed fracture": "s", "induced fracture": "D", "fault": "^"}
@@ -32,8 +31,6 @@ DASHES: dict[str, tuple[float, ...]] = {
     "healed fracture": (1.5, 2),
     "induced fracture": (7, 2, 1, 2),
 }
-ASIDE = 0.1
-"""Metres that a zone reaches beyond the trace of a fracture."""
 TAIL = 3.0
 """Length of a tadpole's tail from the middle of its head, and distance of 0 and 90 degrees from the edges, mm."""
 
@@ -95,18 +92,6 @@ class DipTrack:
 def attitude(pick: Pick, path: Path | None) -> tuple[float, float]:
     """Return true dip and its azimuth; without a path, apparent dip and the toolface at which the plane is deepest."""
     return (pick.apparent_dip, pick.toolface) if path is None else pick.dip(path)
-
-
-def unpicked(zones: Sequence[Zone], picks: Sequence[Pick], bit_diameter: float) -> list[Zone]:
-    """Return the zones without the washouts at an open fracture that was picked: it is drawn as picked."""
-    open_ones = [pick for pick in picks if pick.aperture]
-    reach = [radius_of(pick, bit_diameter) * math.hypot(*pick.slopes) + ASIDE for pick in open_ones]
-    ends = [(pick.depth - far, pick.depth + far) for pick, far in zip(open_ones, reach, strict=True)]
-    return [
-        zone
-        for zone in zones
-        if zone.kind != "washout" or not any(top < zone.start and zone.stop < bottom for top, bottom in ends)
-    ]
 
 
 def radius_of(pick: Pick, bit_diameter: float) -> float:

@@ -467,7 +467,7 @@ class Feed:
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""
         self._ends = helix_of(wall).ends(len(wall.radius))
-        self._zones = classify(wall, self._criteria)
+        self._zones = classify(wall, self._criteria, picks=())  # a page leaves out those at its picks, which may change
         return self._zones
 
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
@@ -477,6 +477,8 @@ class Feed:
         of the part of the section that the wall had when its turns were measured.
         """
         zones, (top, bottom) = self._present_zones()
+        with self.scene.lock:
+            zones = zones.without(self.scene.picks)
         start, stop = (min(max(end, top), bottom) for end in (start, stop))
         wall = self._wall if self._redrawn is None else self._redrawn[1]
         summary = summarize(wall, start, stop, zones=zones)

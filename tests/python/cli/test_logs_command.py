@@ -289,5 +289,22 @@ def test_the_true_dips_of_picks(tmp_path: Path, ending: str) -> None:
         assert one.numbers("MD") == pytest.approx(1002.5)
         assert one.numbers("DIP") == pytest.approx(dip, abs=0.005)
         assert one.numbers("DIP_AZIMUTH") == pytest.approx(azimuth, abs=0.005)
-    done = run(tmp_path / "w.wall", "-o", tmp_path / "l.csv", "--picks", tmp_path / "mine.csv")
-    assert (done.exit_code, "only --dips writes picks" in done.output) == (2, True)
+
+
+@pytest.mark.parametrize("verb", ["logs", "zones"])
+def test_an_open_fracture_that_was_picked_is_no_washout(tmp_path: Path, verb: str) -> None:
+    """As the print draws it. The criteria of the run are those of the metres of each kind."""
+    depth = np.repeat(np.arange(1000.0, 1010.0, 0.05), 36)
+    radius = 0.108 + 0.03 * (np.abs(depth - 1003) < 0.4) + 0.02 * (np.abs(depth - 1007) < 0.5)
+    caliper = hb.Caliper(depth, np.tile(np.arange(0.0, 360.0, 10.0), depth.size // 36), radius)
+    hb.reconstruct(caliper, bit_diameter=0.216, sectors=36, pitch=0.05).save(tmp_path / "w.wall")
+    asked = [verb, f"{tmp_path / 'w.wall'}", "-o", f"{tmp_path / 'l.csv'}"]
+    before, done = CliRunner().invoke(cli, asked), None
+    pick = hb.Pick(kind="fracture", depth=1003.0, toolface=0.0, apparent_dip=75.0, aperture=0.1)
+    hb.Picks([pick]).save(tmp_path / "w.wall.picks.csv")
+    done = CliRunner().invoke(cli, asked)
+    strict = CliRunner().invoke(cli, [*asked, "-s", "zones.washout=50mm"])
+    assert "2 washout" in before.output
+    assert "1 washout, 1." in done.output
+    assert "1 washout is an open fracture that was picked" in done.output
+    assert "none by the criteria" in strict.output

@@ -426,3 +426,27 @@ def test_what_no_gauge_section_explains_is_a_zone(arms: int, kind: str) -> None:
     (label, text), *_ = zone_lines(zones, wall.summary(), "m")
     assert label == "zones"
     assert "not sure" in text
+
+
+def test_a_washout_at_an_open_fracture_that_was_picked_counts_nowhere_as_one() -> None:
+    depth = np.repeat(np.arange(1000.0, 1010.0, 0.02), 36)
+    radius = BIT / 2 + np.where(np.abs(depth - 1003) < 0.4, 0.03, 0.0) + np.where(np.abs(depth - 1007) < 0.5, 0.03, 0.0)
+    samples = hb.Caliper(depth, np.tile(np.arange(0.0, 360.0, 10.0), depth.size // 36), radius)
+    wall = hb.reconstruct(samples, bit_diameter=BIT, sectors=36, pitch=0.02)
+    wall.intervals = [hb.Interval("Upper", 1000.0, 1005.0), hb.Interval("Lower", 1005.0, 1010.0)]
+    both = wall.zones()
+    pick = hb.Pick(kind="fracture", depth=1003.0, toolface=0.0, apparent_dip=75.0, aperture=0.1)
+    wall.picks = [pick]
+    found, summary = wall.zones(), wall.summary()
+    assert [round(zone.peak) for zone in both.zones] == [1003, 1007]
+    assert [round(zone.peak) for zone in found.zones] == [1007]
+    assert [round(zone.peak) for zone in found.fractures] == [1003]
+    np.testing.assert_array_equal(found.kind, np.where(found.logs.depth < 1005, 0, both.kind))
+    assert summary.washed_out == pytest.approx(both.zones[1].length, abs=0.05)
+    assert [row.summary.kinds for row in wall.interval_table().intervals if row.summary] == [{}, summary.kinds]
+    assert found.table().facts["left out"] == "1 washout is an open fracture that was picked"
+    assert found.left_out() in [text for _, text in zone_lines(found, summary, "m")]
+    for other in (replace(pick, aperture=None), replace(pick, apparent_dip=50.0), replace(pick, depth=1004.0)):
+        wall.picks = [other]
+        assert len(wall.zones().zones) == 2, "a fracture that is closed, or too short, or elsewhere"
+    assert len(classify(wall, picks=[pick]).zones) == 1

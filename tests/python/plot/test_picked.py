@@ -230,6 +230,9 @@ def test_a_washout_at_an_open_fracture_that_was_picked_is_drawn_as_the_fracture(
     wall.picks = [pick]
     assert middles() == [1007]
     assert middles(with_picks=False) == [1003, 1007]
+    assert [round(zone.start) for zone in content_of(wall, Drawing()).zones.zones] == [1006]
+    text = page(wall, polar=(), body=(), start=1001.0, stop=1005.0)
+    assert "1 washout is an open fracture that was picked." in text
     wall.picks = [replace(pick, aperture=None)]
     assert middles() == [1003, 1007]
 

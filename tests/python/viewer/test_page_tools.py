@@ -1344,6 +1344,26 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
     assert (box.toolface, box.opening) == (pytest.approx(250, abs=1), pytest.approx(40, abs=2))
 
 
+def test_an_open_fracture_that_is_picked_is_washed_out_no_more(browser: Any) -> None:
+    depth = np.repeat(np.arange(1000.0, 1010.0, 0.02), 36)
+    radius = BIT / 2 + 0.03 * (np.abs(depth - 1003) < 0.4)
+    samples = hb.Caliper(depth, np.tile(np.arange(0.0, 360.0, 10.0), depth.size // 36), radius)
+    wall = hb.reconstruct(samples, bit_diameter=BIT, sectors=36, pitch=0.02)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1003&sec=4", drawn=False)
+        washed = "[...document.querySelectorAll('#section dt')].find((e) => e.textContent === 'Washed out')"
+        screen.until(f"{washed}?.nextElementSibling.textContent.startsWith('0.8 m of 4.0 m')")
+        pick = Pick(kind="fracture", depth=1003.0, toolface=0.0, apparent_dip=75.0, aperture=0.1)
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        viewer.scene.update_state(sources={})
+        screen.until(f"{washed}?.nextElementSibling.textContent.startsWith('0.0 m of 4.0 m')")
+        screen.until("!document.querySelector('#zones button')")
+        viewer.scene.change_picks(lambda picks: picks.clear())
+        viewer.scene.update_state(sources={"": 1})
+        screen.until(f"{washed}?.nextElementSibling.textContent.startsWith('0.8 m of 4.0 m')")
+        screen.close()
+
+
 def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
     """As `helibore view` draws it: the same button beside the picks and below the log."""
     depth = np.arange(1000.0, 1030.0, 0.01)

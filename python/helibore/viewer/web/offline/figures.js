@@ -1,6 +1,7 @@
 // Figures of the turns of a wall: what the page reads of `Wall.summary` and `Wall.logs`, from the core's logs.
 
 import { Refusal, rint, rules } from './rules.js';
+import { unpicked } from '../src/unpicked.js';
 import { NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from '../src/protocol.js';
 
 const MOST_ROWS = 2_000_000;
@@ -126,6 +127,16 @@ function sharesInside({ depth, pitch, sectors, ends }, start, stop) {
     const inside = (Math.min(Math.max(first, first + pitch), to) - Math.max(Math.min(first, first + pitch), from)) / Math.abs(pitch);
     return Math.min(1, Math.max(0, Math.round(inside * 1e9) / 1e9));
   });
+}
+
+// Return the figures as if there were no washout at an open fracture that was picked (Classification.without).
+/** @param {Figures} figures @param {any[]} zones @param {any[]} picks @returns {Figures} */
+export function withoutPicked(figures, zones, picks) {
+  const { kinds, depth, pitch, bit } = figures;
+  const left = unpicked(zones, picks, bit / 2);
+  const gone = zones.filter((zone) => !left.includes(zone));
+  const half = Math.abs(pitch) / 2;
+  return { ...figures, kinds: kinds && kinds.map((kind, turn) => (kind === WASHOUT && gone.some(({ start, stop }) => depth[turn] + half > start && depth[turn] - half < stop) ? 0 : kind)) };
 }
 
 // Return the figures of a section as the page shows them; a missing number is null (summary.py).

@@ -1,6 +1,6 @@
 // What the viewer's server does, in the worker: the page's port brings its messages and its requests (web_app.py, client.py).
 
-import { curveBytes, sectionCsv, summaryOf } from './figures.js';
+import { curveBytes, sectionCsv, summaryOf, withoutPicked } from './figures.js';
 import { logsText } from './las_writing.js';
 import { checked, merged, parsePicks, picksTable } from './picks.js';
 import { Refusal, rules } from './rules.js';
@@ -100,6 +100,12 @@ export class Served {
     return figures;
   }
 
+  // Return the figures of a section.
+  /** @param {number} start @param {number} stop */
+  summary(start, stop) {
+    return summaryOf(withoutPicked(this.figures(), this.scene.state.zones, this.picks), start, stop);
+  }
+
   // Find how sure each radius is, and send the tiles that the page has again.
   trust() {
     if (this.trusted) return;
@@ -133,7 +139,7 @@ export class Served {
     const named = (/** @type {string} */ what, /** @type {string} */ ending) => `${what}-${ends().map((depth) => depth.toFixed(1)).join('-')}.${ending}`;
     const json = (/** @type {any} */ values) => ({ type: 'application/json', body: JSON.stringify(values) });
     switch (question) {
-      case 'GET summary': return json(summaryOf(this.figures(), ...ends()));
+      case 'GET summary': return json(this.summary(...ends()));
       case 'GET history': return json(this.history());
       case 'GET curve': return { type: 'application/octet-stream', body: curveBytes(this.figures(), query.get('name') ?? '') };
       case 'GET section.csv': return { type: 'text/csv', name: named('section', 'csv'), body: sectionCsv(this.scene, ...ends()) };
@@ -184,7 +190,7 @@ export class Served {
     const shown = new URLSearchParams(address.replace(/^#/, '')).get('curves')?.split('~') ?? [];
     const curves = Object.fromEntries(figures().curves.filter(({ name }) => shown.includes(name)).map(({ name }) => [name, base64(curveBytes(figures(), name))]));
     const [start, stop] = ends ?? [-Infinity, Infinity];
-    const enclosed = JSON.stringify({ hello: scene.hello, state: scene.state, curves, picks, made: Math.round(Date.now() / 100) / 10, address, hosted: false, history: this.history(), summary: summaryOf(figures(), start, stop) });
+    const enclosed = JSON.stringify({ hello: scene.hello, state: scene.state, curves, picks, made: Math.round(Date.now() / 100) / 10, address, hosted: false, history: this.history(), summary: this.summary(start, stop) });
     const chunks = [`${parts.before}<script type="application/json" id="enclosed">${enclosed.replaceAll('<', '\\u003c').slice(0, -1)},"messages":[`];
     messages.forEach((message, at) => chunks.push(`${at ? ',' : ''}"`, base64(numbered(message, at + 1)), '"'));
     return new Blob([...chunks, `]}</script>\n<script type="module">\n${parts.app}</script>${parts.after}`], { type: 'text/html' });

@@ -140,7 +140,7 @@ export class Selection {
   // Go to the next (1) or previous (-1) zone by severity.
   /** @param {number} step */
   jump(step) {
-    const zone = jump(this.app.zones, this.view.cursor?.depth ?? NaN, step);
+    const zone = jump(this.app.renderer.zones, this.view.cursor?.depth ?? NaN, step);
     if (zone) this.showZone(zone);
   }
 

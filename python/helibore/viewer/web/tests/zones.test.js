@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { bySeverity, isSure, jump, letterZones, turnTowards, zoneAt, zoneText } from '../src/zones.js';
+import { withoutPicked } from '../offline/figures.js';
 import { unpicked } from '../src/unpicked.js';
 
 const ZONES = [
@@ -23,6 +24,8 @@ test('a washout at an open fracture that was picked is drawn as the fracture', (
   for (const other of [{ ...pick, aperture: null }, { ...pick, apparent_dip: 80 }, { ...pick, depth: 25 }, { key: 'b', kind: 'breakout', depth: 21.5, height: 4, opening: 90, toolface: 0 }]) {
     assert.deepEqual(kinds([other]), ['breakout', 'washout', 'undergauge']);
   }
+  const figures = { kinds: Int32Array.of(1, 1, 1, 2, -1), depth: Float64Array.of(19.9, 21, 25, 22, 22), pitch: 0.1, bit: 0.22 };
+  assert.deepEqual([...(withoutPicked(/** @type {any} */ (figures), ZONES, [pick]).kinds ?? [])], [1, 0, 1, 2, -1], 'nor is it counted without a server');
 });
 
 test('a zone counts as much as its kind is probable, and says so', () => {
