@@ -202,7 +202,7 @@ class Hole:
         From bed to bed the gamma changes over ``resolution`` metres of depth, about as a tool of this length measures.
         """
         depth, toolface = np.broadcast_arrays(depth, toolface)
-        gamma = np.full(depth.shape, self.top_gamma)
+        gamma = np.full(depth.shape, self.top_gamma, np.float64)
         above = self.top_gamma
         for bed in self.beds:
             reach = 0.5 * self.bit_diameter * np.tan(np.radians(bed.dip))
@@ -216,10 +216,10 @@ class Hole:
 
         The stations reach from ``margin`` m above the hole to at least ``margin`` m below it.
         """
-        depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
+        depth = np.arange(float(self.start - margin), self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
-        inclination = np.full(depth.size, self.inclination)
-        azimuth = np.full(depth.size, self.azimuth)
+        inclination = np.full(depth.size, self.inclination, np.float64)
+        azimuth = np.full(depth.size, self.azimuth, np.float64)
         for index, section in enumerate(self.sections):
             last = index == len(self.sections) - 1
             part = along if last else np.minimum(along, section.length)

@@ -169,3 +169,32 @@ def test_bad_input(make: object, golden: Golden) -> None:
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
         make()  # type: ignore[operator]
     golden(str(caught.value))
+
+
+def test_whole_numbers_are_taken_as_the_numbers_they_are() -> None:
+    whole = {
+        "start": 100,
+        "stop": 130,
+        "bit_diameter": 1,
+        "overgauge": 0,
+        "top_gamma": 60,
+        "inclination": 5,
+        "azimuth": 0,
+    }
+    shapes = {
+        "washouts": (Washout(104, 110, 1),),
+        "breakouts": (Breakout(112, 120, 90, 60, 1),),
+        "beds": (Bed(110, 100),),
+    }
+    path = {"sections": (Section(30, build=3),)}
+    hole, same = (Hole(**{name: of(value) for name, value in whole.items()}, **shapes, **path) for of in (int, float))
+    lengths = {"rotation": 60, "advance": 36, "sample_rate": 1, "image_step": 1, "noise": 0, "stick_slip": 0}
+    for a, b in zip(hole.stations(30, 30), same.stations(30.0, 30.0), strict=True):
+        assert a.dtype == np.float64
+        np.testing.assert_array_equal(a, b)
+    made, wanted = (
+        simulate(hole, Tool(**lengths)),
+        simulate(same, Tool(**{name: float(of) for name, of in lengths.items()})),
+    )
+    for name in ("depth", "toolface", "radius", "gamma_depth", "gamma", "inclination"):
+        np.testing.assert_array_equal(getattr(made, name), getattr(wanted, name))
