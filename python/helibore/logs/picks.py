@@ -168,7 +168,10 @@ class Pick:
         return self.depth - tall, self.depth + tall
 
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether a part of the pick's sinusoid or box (`ends`) lies between ``top`` and ``bottom``, metres."""
+        """Return whether a part of the pick's sinusoid or box lies between ``top`` and ``bottom``, metres.
+
+        ``bit_diameter`` is as in `ends`.
+        """
         start, stop = self.ends(bit_diameter)
         return start <= bottom and stop >= top
 
