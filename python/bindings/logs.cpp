@@ -201,16 +201,26 @@ py::array_t<double> sparse_turns(const Column& sections, double height) {
     return array_of(helibore::sparse_turns(span_of(sections), height));
 }
 
+// Depth, toolface, radius, arm and time of samples.
+using Arms = std::tuple<Column, Column, Column, py::array_t<Index>, Column>;
+
+ArmSamples samples_of(const Arms& arms) {
+    const auto& [depth, toolface, radius, arm, time] = arms;
+    return {span_of(depth),
+            span_of(toolface),
+            span_of(radius),
+            {arm.data(), static_cast<std::size_t>(arm.size())},
+            span_of(time)};
+}
+
 // Returns the columns of arm_diameters, those of arms as one array for each arm; None if there are no arms.
-py::object arm_diameters(const std::tuple<Column, Column, Column, py::array_t<Index>, Column>& samples,
-                         const Column& depth, double height, double reach) {
-    const auto& [at, toolface, radius, arm, time] = samples;
-    const std::span<const Index> numbers{arm.data(), static_cast<std::size_t>(arm.size())};
+py::object arm_diameters(const Arms& arms, const Column& depth, double height, double reach) {
+    ArmSamples samples = samples_of(arms);
+    samples.reach = reach;
     ArmDiameters found;
     {
         const WithoutGil released;
-        found = helibore::arm_diameters(
-            {span_of(at), span_of(toolface), span_of(radius), numbers, span_of(time), reach}, span_of(depth), height);
+        found = helibore::arm_diameters(samples, span_of(depth), height);
     }
     if (found.arms == 0) return py::none();
     py::dict columns;
@@ -235,24 +245,27 @@ py::tuple find_zones(const std::vector<Column>& columns, const Column& sections,
                      const std::tuple<Column, int, double, double>& vertices, double bit_diameter,
                      const std::array<double, 8>& criteria,
                      const std::optional<std::tuple<Column, py::array_t<Index>>>& chained,
-                     const std::array<Column, 3>& samples, const SectionLibraries& libraries, int threads) {
+                     const std::array<Column, 3>& samples, const std::optional<Arms>& arms,
+                     const SectionLibraries& libraries, int threads) {
     const auto& [radius, sectors, start_toolface, pitch] = vertices;
     const auto of = [&](std::size_t i) { return span_of(columns.at(i)); };
-    const MeasuredTurns turns{.depth = of(0),
-                              .coverage = of(1),
-                              .sampled = of(2),
-                              .mean = of(3),
-                              .c1 = of(4),
-                              .c1_toolface = of(5),
-                              .c2 = of(6),
-                              .least_diameter = of(7),
-                              .unworn_diameter = of(8),
-                              .unworn_0 = of(9),
-                              .unworn_90 = of(10),
-                              .lobes{{{of(11), of(12), of(13)}, {of(14), of(15), of(16)}}},
-                              .sections = span_of(sections),
-                              .uneven = span_of(uneven),
-                              .samples = {{span_of(samples[0]), span_of(samples[1])}, span_of(samples[2])}};
+    const MeasuredTurns turns{
+        .depth = of(0),
+        .coverage = of(1),
+        .sampled = of(2),
+        .mean = of(3),
+        .c1 = of(4),
+        .c1_toolface = of(5),
+        .c2 = of(6),
+        .least_diameter = of(7),
+        .unworn_diameter = of(8),
+        .unworn_0 = of(9),
+        .unworn_90 = of(10),
+        .lobes{{{of(11), of(12), of(13)}, {of(14), of(15), of(16)}}},
+        .sections = span_of(sections),
+        .uneven = span_of(uneven),
+        .samples = {
+            {span_of(samples[0]), span_of(samples[1])}, span_of(samples[2]), arms ? samples_of(*arms) : ArmSamples{}}};
     const auto& [elongation, washout, key_seat, undergauge, symmetry, opening_level, least_length, join] = criteria;
     ChainedTurns along;
     if (chained) {
@@ -308,8 +321,8 @@ void register_logs(py::module_& m) {
     m.def("sparse_turns", &sparse_turns, py::arg("sections"), py::arg("height"));
     m.def("arm_diameters", &arm_diameters, py::arg("samples"), py::arg("depth"), py::arg("height"), py::arg("reach"));
     m.def("find_zones", &find_zones, py::arg("columns"), py::arg("sections"), py::arg("uneven"), py::arg("vertices"),
-          py::arg("bit_diameter"), py::arg("criteria"), py::arg("chained"), py::arg("samples"), py::arg("libraries"),
-          py::arg("threads"));
+          py::arg("bit_diameter"), py::arg("criteria"), py::arg("chained"), py::arg("samples"), py::arg("arms"),
+          py::arg("libraries"), py::arg("threads"));
     m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));

@@ -212,6 +212,7 @@ def find_zones(
     criteria: tuple[float, float, float, float, float, float, float, float],
     chained: tuple[Floats, Integers] | None,
     samples: tuple[Floats, Floats, Floats],
+    arms: tuple[Floats, Floats, Floats, Integers, Floats] | None,
     libraries: SectionLibraries,
     threads: int,
 ) -> tuple[Integers8, list[_Zone]]: ...

@@ -38,4 +38,8 @@ struct ArmDiameters {
 // length.
 ArmDiameters arm_diameters(const ArmSamples& samples, std::span<const double> depth, double height);
 
+// Whether the tool measured diameters: wherever two samples lie opposite each other, their radii are equal. False if it
+// measures fewer than 2 or more than few_arms of them.
+bool measures_diameters(const ArmSamples& samples);
+
 }  // namespace helibore

@@ -212,19 +212,30 @@ void add_sizes(ArmDiameters& of, std::size_t turns) {
     }
 }
 
-}  // namespace
-
-ArmDiameters arm_diameters(const ArmSamples& samples, std::span<const double> depth, double height) {
-    const StandardArithmetic standard;
+void require_lengths(const ArmSamples& samples) {
     const std::size_t count = samples.depth.size();
     require_length("toolface", samples.toolface.size(), count);
     require_length("radius", samples.radius.size(), count);
     require_length("arm", samples.arm.size(), count);
     if (!samples.time.empty()) require_length("time", samples.time.size(), count);
+}
+
+// Returns the arms of the pairs; none if they are not those of a tool with few arms.
+std::vector<Index> few_names(const std::vector<Pair>& pairs) {
+    std::vector<Index> names = distinct(pairs, [](const Pair& pair) { return pair.arm; });
+    if (names.size() < 2 || names.size() > few_arms) names.clear();
+    return names;
+}
+
+}  // namespace
+
+ArmDiameters arm_diameters(const ArmSamples& samples, std::span<const double> depth, double height) {
+    const StandardArithmetic standard;
+    require_lengths(samples);
     const std::vector<Pair> pairs = pairs_of(readings_of(samples));
-    const std::vector<Index> names = distinct(pairs, [](const Pair& pair) { return pair.arm; });
+    const std::vector<Index> names = few_names(pairs);
     ArmDiameters out;
-    if (names.size() < 2 || names.size() > few_arms) return out;
+    if (names.empty()) return out;
     out.arms = names.size();
     for (const Index name : names) {
         const Line line(pairs, name);
@@ -237,6 +248,13 @@ ArmDiameters arm_diameters(const ArmSamples& samples, std::span<const double> de
     }
     add_sizes(out, depth.size());
     return out;
+}
+
+bool measures_diameters(const ArmSamples& samples) {
+    const StandardArithmetic standard;
+    require_lengths(samples);
+    const std::vector<Pair> pairs = pairs_of(readings_of(samples));
+    return std::ranges::all_of(pairs, [](const Pair& pair) { return pair.uneven == 0.0; }) && !few_names(pairs).empty();
 }
 
 }  // namespace helibore

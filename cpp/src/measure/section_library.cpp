@@ -75,14 +75,14 @@ void add_lobes(std::vector<Shape>& shapes) {
                 };
                 for (const double high : {5.0, 9.0, 14.0, 19.0, 26.0, 35.0})
                     for (const double share : {0.65, 1.0}) add(high, share);
-                for (const double high : {3.5, 5.0, 8.0, 12.0, 18.0, 26.0, 36.0}) add(high, 0.0);
+                for (const double high : {3.5, 5.0, 8.0, 12.0, 18.0, 26.0, 36.0, 47.0, 58.0, 70.0}) add(high, 0.0);
             }
 }
 
 void add_slots(std::vector<Shape>& shapes) {
     constexpr double bit = 0.5 * usual_bit;
     for (const double pipe : {1.75 * inch, 2.5 * inch, 3.25 * inch})
-        for (const double deep : {5.0, 9.0, 14.0, 20.0, 28.0, 38.0})
+        for (const double deep : {5.0, 9.0, 14.0, 20.0, 28.0, 38.0, 48.0, 58.0, 70.0})
             shapes.push_back(drawn(0.0, deep, [=](double degrees) {
                 const SineCosine of = sine_cosine(degrees);
                 const double centre = bit + deep - pipe, aside = centre * of.sine, left = pipe * pipe - aside * aside;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr double likely = 0.5;         // least confidence of a zone
+constexpr double two_sided = 0.625;    // share of breakouts among them and key seats, which diameters show alike
 constexpr double not_gauge = 0.05;     // probability of gauge below which a run is a zone, whatever its kind
 constexpr double least_sampled = 0.5;  // a wall shows no kind where a smaller share of a turn has samples near
 constexpr Index least_seen = 6;        // parts that samples see around a turn that has a kind, unless arms measure it
@@ -66,6 +67,7 @@ class Finder {
           sectors_(static_cast<std::size_t>(vertices.sectors)),
           height_(std::abs(vertices.pitch)),
           arms_(!turns.uneven.empty()),
+          diameters_(measures_diameters(turns.samples.arms)),
           start_toolface_(wrap_toolface(vertices.start_toolface)) {
         if (!chained.kinds.empty()) sparse_ = sparse_turns(turns.sections, height_);
         for (std::size_t k = 0; k < sectors_; ++k)
@@ -79,7 +81,7 @@ class Finder {
         const std::vector<Run> runs = runs_of(kinds);
         std::vector<Zone> zones(runs.size());
         std::vector<std::uint8_t> found(runs.size());
-        for (const Run& run : runs) libraries.of(is_even(run));  // drawn here, once, and not by each thread
+        if (!runs.empty()) libraries.of(diameters_);  // drawn here, once, and not by each thread
         for_each_part(threads, static_cast<Index>(runs.size()), [&](int, Index part) {
             const auto i = static_cast<std::size_t>(part);
             double confidence = 0.0;
@@ -249,18 +251,14 @@ class Finder {
             if (has_as_much(turn)) run.stop = turn + 1;
     }
 
-    // Whether the tool measured diameters in all turns of a run.
-    bool is_even(const Run& run) const {
-        return arms_ && std::ranges::none_of(run.inside, [&](std::size_t turn) { return turns_.uneven[turn] > 0.0; });
-    }
-
     // Whether the kind of a run is likely enough, or certainly not gauge; writes its confidence.
     bool is_zone(const Run& run, const SectionLibraries& libraries, double& confidence) const {
-        const LikelyKind found = likely_kind(sections_of(run.inside), libraries.of(is_even(run)));
+        const LikelyKind found = likely_kind(sections_of(run.inside), libraries.of(diameters_));
         std::array<double, hole_kinds> kinds = found.kinds;
         if (!sparse_.empty()) take_chained(run.inside, kinds);
         const double own = kinds[static_cast<std::size_t>(run.kind)];
-        confidence = found.sound ? std::max(own, likely) : likely;
+        const bool alike = diameters_ && run.kind == HoleKind::breakout;
+        confidence = found.sound ? std::max(alike ? two_sided * own : own, likely) : likely;
         return !(own < likely && kinds[0] > not_gauge);
     }
 
@@ -503,7 +501,7 @@ class Finder {
     const ChainedTurns& chained_;
     std::size_t count_, sectors_;
     double height_;  // of a turn
-    bool arms_;
+    bool arms_, diameters_;
     double start_toolface_;
     std::vector<double> sparse_;  // empty: the chain does not count
     std::vector<SineCosine> directions_;

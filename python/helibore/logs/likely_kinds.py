@@ -6,12 +6,12 @@
 
 The library has round, oval and lobed sections of many sizes, widths and directions, and slots of pipes. The criteria
 say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`): by diameters none is a key seat, since
-these do not show on which side a hole is wide. Along the hole, one that is gauge by them is thought lobed in one of
-fifteen cases. The factor f lets holes differ from the library more than 1.6 mm, so that other shapes do not make it too
-sure. A zone that no gauge section explains is not gauge, however little it resembles the other kinds; if no section at
-all explains it, its kind is not sure. Lengths are those of a hole of 8.5 in, scaled to the bit. ``python -m
-bench.accuracy.hazards`` measures how often the probabilities are right. The core draws the library and compares;
-``kinds.hpp`` has the numbers.
+these do not show on which side a hole is wide, and a breakout that they show is less sure by what a key seat is likely.
+Along the hole, one that is gauge by them is thought lobed in one of fifteen cases. The factor f lets holes differ from
+the library more than 1.6 mm, so that other shapes do not make it too sure. A zone that no gauge section explains is not
+gauge, however little it resembles the other kinds; if no section at all explains it, its kind is not sure. Lengths are
+those of a hole of 8.5 in, scaled to the bit. ``python -m bench.accuracy.hazards`` measures how often the probabilities
+are right. The core draws the library and compares; ``kinds.hpp`` has the numbers.
 """
 
 from __future__ import annotations

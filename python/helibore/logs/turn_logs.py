@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Mask, column
+from helibore.base.arrays import Floats, Integers, Mask, column
 from helibore.base.cached import cached_property
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
@@ -807,11 +807,9 @@ def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, A
 
     ``of_wall`` are the columns of the wall.
     """
-    reach, arms = wall.settings.max_distance, wall.arms
-    places = (column(name, getattr(arms, name)) for name in ("depth", "toolface", "radius"))
-    time = np.empty(0) if arms.time is None else column("time", arms.time)
+    reach = wall.settings.max_distance
     sizes: dict[str, Any] | None = _core.arm_diameters(
-        (*places, arms.arm, time), depth, abs(wall.settings.pitch), math.inf if reach is None else reach
+        columns_of_arms(wall.arms), depth, abs(wall.settings.pitch), math.inf if reach is None else reach
     )
     if sizes is None:
         return {}
@@ -881,6 +879,13 @@ def _echo_sigma(wall: WallLike, depth: Floats, radius: Floats) -> Floats:
 def sections_of(measure: Callable[[], Floats]) -> LateColumns:
     """Return `Logs.sections`; ``measure`` returns `Logs.section`, and what it reads must not change."""
     return LateColumns(("section",), lambda: {"section": measure()})
+
+
+def columns_of_arms(arms: Caliper) -> tuple[Floats, Floats, Floats, Integers, Floats]:
+    """Return depth, toolface, radius, arm and time of samples whose arms are known; without times the last is empty."""
+    assert arms.arm is not None
+    time = np.empty(0) if arms.time is None else column("time", arms.time)
+    return column("depth", arms.depth), column("toolface", arms.toolface), column("radius", arms.radius), arms.arm, time
 
 
 def columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:

@@ -40,8 +40,9 @@ from helibore.base.thread_count import thread_count
 from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.likely_kinds import section_libraries
 from helibore.logs.picks import Pick
-from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_samples, turn_logs
+from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_arms, columns_of_samples, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria
+from helibore.samples.caliper import Caliper
 from helibore.samples.helix import WallLike
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
@@ -345,6 +346,7 @@ def classify(
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be the logs of the turns of the same wall")
     along, has_arms = logs.along(criteria), logs.shape == "arms"
+    arms: Caliper | None = getattr(wall, "arms", None)
     kind, rows = _core.find_zones(
         [column(name, getattr(logs, name)) for name in READ],
         column("section", logs.section.ravel()),
@@ -354,6 +356,7 @@ def classify(
         tuple(getattr(criteria, name) for name in LIMITS),
         None if along is None else (along.kinds.ravel(), along.seen),
         _samples_of(wall),
+        None if arms is None else columns_of_arms(arms),
         section_libraries(logs.bit_diameter, criteria),
         thread_count(getattr(wall, "threads", None)),
     )

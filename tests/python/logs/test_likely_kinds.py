@@ -188,10 +188,10 @@ def drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:
                         (base + high * (lobe + share * np.roll(lobe, FINE // 2)), share * high, high)
                         for share in (0.65, 1)
                     ]
-                turned += [(base + high * lobe, 0.0, high) for high in (3.5, 5, 8, 12, 18, 26, 36)]
+                turned += [(base + high * lobe, 0.0, high) for high in (3.5, 5, 8, 12, 18, 26, 36, 47, 58, 70)]
     bit = 500 * CRITERIA_BIT
     for pipe in (1750 * INCH, 2500 * INCH, 3250 * INCH):  # radius, mm
-        for deep in (5, 9, 14, 20, 28, 38):
+        for deep in (5, 9, 14, 20, 28, 38, 48, 58, 70):
             centre = bit + deep - pipe
             left = np.maximum(pipe**2 - (centre * np.sin(angle)) ** 2, 0)
             reach = np.where((left > 0) & (np.cos(angle) > 0), centre * np.cos(angle) + np.sqrt(left), 0)

@@ -75,9 +75,10 @@ def library(criteria: Criteria, even: bool) -> Any:
 
 
 class Reference:
-    def __init__(self, wall: hb.Wall, logs: Logs, criteria: Criteria) -> None:
+    def __init__(self, wall: hb.Wall, logs: Logs, criteria: Criteria, *, diameters: bool) -> None:
         self.logs, self.criteria, self.arms = logs, criteria, logs.shape == "arms"
         self.pitch, self.along = abs(logs.pitch), logs.along(criteria)
+        self.diameters = diameters
         self.radius = wall.radius[: len(logs) * logs.sectors].reshape(len(logs), -1)
         self.toolfaces = wall.settings.start_toolface + np.arange(logs.sectors) * 360 / logs.sectors
         self.sparse = self.sparse_turns()
@@ -202,8 +203,7 @@ class Reference:
         """Return the confidence of a run; None: it is no zone."""
         some = sorted({int(i * (len(inside) - 1) / 5) for i in range(5)} | {len(inside) - 1})
         sections = np.array([self.section(inside[i]) for i in some])
-        even = self.arms and not any(self.logs.uneven[turn] > 0 for turn in inside)
-        likely, sound = _core.likely_kind(sections.ravel(), library(self.criteria, even))
+        likely, sound = _core.likely_kind(sections.ravel(), library(self.criteria, self.diameters))
         if self.along is not None and np.mean([self.sparse[turn] for turn in inside]) > 0.5:
             known = [
                 self.along.kinds[turn]
@@ -213,7 +213,8 @@ class Reference:
             likely = list(np.mean(known, axis=0))
         if likely[code] < 0.5 and likely[GAUGE] > 0.05:
             return None
-        return max(likely[code], 0.5) if sound else 0.5
+        share = 0.625 if self.diameters and code == BREAKOUT else 1.0  # or a key seat, for all that diameters show
+        return max(share * likely[code], 0.5) if sound else 0.5
 
     def lobes(self, code: int, inside: list[int]) -> tuple[float, float, list[tuple[float, float, float]]]:
         of, fold, K = self.logs, 2 if code == BREAKOUT else 1, self.logs.sectors
@@ -309,7 +310,7 @@ def test_zones_are_those_of_the_rules_turn_by_turn(tool: str, shape: str, keen: 
     )
     found = classify(wall, criteria)
     logs = found.logs
-    of = Reference(wall, logs, criteria)
+    of = Reference(wall, logs, criteria, diameters=tool == "X-Y")
     kinds = [of.kind(turn) for turn in range(len(logs))]
     wanted, expected = [min(kind, GAUGE) for kind in kinds], []
     for code, run in of.runs(kinds):
