@@ -422,11 +422,33 @@ class Feed:
         lower = found.depth + found.length / 2
         columns = {"Clearance": found.clearance, "Clearance low": found.low, "Clearance high": found.high}
         columns |= {"Tightest above bit": lower - found.contact_depth[:, 0]}
+        lower, columns = self._to_the_end(wall, sigma, lower, columns)
         order = np.argsort(lower, kind="stable")
         self._logged += 1
         curves = (ScalarCurve(name, "m", lower[order], values[order]) for name, values in columns.items())
         self.scene.set_curves(curves, self._logged)
         self._hang(why="")
+
+    def _to_the_end(
+        self, wall: Any, sigma: Floats | None, lower: Floats, columns: dict[str, Floats]
+    ) -> tuple[Floats, dict[str, Floats]]:
+        """Return depths of the string's lower end and columns at them as far as the wall reaches.
+
+        `passage_of` leaves out what lies beside the last turns, of which one is not whole.
+        """
+        end = self._ends[1]
+        kept = (lower < end - 3 * abs(self._shape.pitch)) | np.isfinite(columns["Clearance"])
+        last = [float(each) for each in lower[~kept & (lower < end)]]
+        places = [*sorted(last), end]
+        sampled = getattr(wall, "sampled", None)
+        found = [hanging_at(wall, self._string, place, sampled, sigma) for place in places]
+        rows = [
+            (one.clearance, one.low, one.high, place - one.depth) if one and not one.at_most else (math.nan,) * 4
+            for place, one in zip(places, found, strict=True)
+        ]
+        more = np.array(rows).T
+        joined = {name: np.append(of[kept], new) for (name, of), new in zip(columns.items(), more, strict=True)}
+        return np.append(lower[kept], places), joined
 
     def find_clearance_of_bodies(self) -> None:
         """Set the clearance of each body of the string where it is now, as far as hole is measured beside it.

@@ -1677,6 +1677,8 @@ def test_a_string_hangs_in_the_hole_and_is_dragged(browser: Any) -> None:
         assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(2008), "the log stays"
         screen.mouse.click(box[0], box[1] + 6.5 * box[2])
         screen.until("window.__wall.app.view.string === null")
+        screen.evaluate("window.__wall.app.view.choose({ string: 2016 })")  # to 2 mm, the end of the wall
+        screen.until("window.__wall.app.renderer.look().string?.clearance > 0")
         viewer.scene.update_state(string={"bodies": [[0.2, 99.0, 0.0]], "why": "length: must be shorter"})
         screen.until("window.__wall.app.string.why")
         screen.settle()

@@ -485,8 +485,14 @@ def test_a_string_has_its_clearance_at_each_depth_of_its_lower_end() -> None:
     own = wall.passage(string, sigma=True)
     lower = own.depth + 1.5
     for name, values in (("Clearance", own.clearance), ("Clearance low", own.low), ("Clearance high", own.high)):
-        np.testing.assert_array_equal(scene.curves[name].depth, lower)
-        np.testing.assert_array_equal(scene.curves[name].values, values)
+        inside = np.isfinite(own.clearance) | (lower < 2005)
+        np.testing.assert_array_equal(scene.curves[name].depth[: inside.sum()], lower[inside])
+        np.testing.assert_array_equal(scene.curves[name].values[: inside.sum()], values[inside])
+        end = wall.depth[-1]
+        assert lower[inside][-1] < end - 0.1, "the last turns of the library lack a place of the string"
+        assert scene.curves[name].depth[-1] == end
+        last = scene.curves[name].values[-1]
+        assert last == pytest.approx(values[inside][-1], abs=1e-4), "the page has it to the end of the wall"
     at = int(np.nanargmin(own.clearance))
     assert own.clearance[at] == pytest.approx(0.008, abs=1e-3)
     tightest = lower[at] - scene.curves["Tightest above bit"].values[at]

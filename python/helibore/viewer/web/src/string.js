@@ -8,6 +8,7 @@ import { late } from './late.js';
 import { edges, line } from './strokes.js';
 import { showDepth, showLength, showSigned } from './units.js';
 
+const ROUNDING = 0.05; // metres: so far below the wall, its end has the same text
 const VALUES = ['Clearance', 'Clearance low', 'Clearance high', 'Tightest above bit'];
 
 // Return where the string is, and what is known of it there; null if there is none.
@@ -19,7 +20,7 @@ export function hung(app) {
   if (view.rig && string.hanging) return late(app)?.hungInRig(app, bottom) ?? null;
   const [clearance, low, high, above] = VALUES.map((name) => {
     const held = string.why ? null : curves.need(name);
-    return held ? curveAt(held, bottom) : NaN;
+    return held ? curveAt(held, bottom < store.span[1] + ROUNDING ? Math.min(bottom, held.depth[held.depth.length - 1]) : bottom) : NaN;
   });
   return { ...string, bottom, clearance, low, high, tightest: bottom - above };
 }
