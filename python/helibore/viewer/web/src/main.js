@@ -140,7 +140,10 @@ export class App {
     const on = {
       handshake: (handshake) => this.begin(handshake),
       state: (state) => this.takeState(state),
-      picks: (picks) => this.picking.receive(picks),
+      picks: (picks) => {
+        this.figures.asked = ''; // a washout may be a fracture now
+        this.picking.receive(picks);
+      },
       write: (message) => this.write(message),
       frames: (message) => this.takeFrames(message),
       status: (status, words) => this.say(status, words),

@@ -124,7 +124,6 @@ export class Picking {
   /** @param {SavedPick[]} picks */
   receive(picks) {
     this.served = new Map(picks.map((pick) => [pick.key, pick]));
-    this.app.figures.asked = ''; // an open fracture is no washout
     this.show();
     this.app.repaint();
     this.app.openSaved();
