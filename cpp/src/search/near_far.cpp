@@ -252,8 +252,31 @@ double NearFar::find_far(const Samples& samples, const kernel::Group& g, double 
     }
 }
 
-kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, double& shallow,
-                            double& deep) const {
+// A new sample that is no near neighbour changes a far one if it is the first of its cell, or one of those in the mean.
+// Below all others it is neither if as many of its cell lie before it, none of them a near neighbour.
+double NearFar::far_depth(const Samples& samples, Index count) const {
+    double least = no_limit;
+    for (Index rank = samples.size() - count; rank < samples.size(); ++rank) {
+        Samples::Place at = samples.place(rank);
+        const double depth = samples.depth(rank), row = cells_.row(depth);
+        const Index column = cells_.column(depth, samples.chunks()[at.chunk]->toolface()[at.offset]);
+        for (std::size_t found = 0; found < averaged_;) {
+            if (at.offset == 0) {
+                if (at.chunk == 0) return -no_limit;
+                at.offset = samples.chunks()[--at.chunk]->count;
+            }
+            const Chunk& chunk = *samples.chunks()[at.chunk];
+            const double before = chunk.depth()[--at.offset];
+            if (cells_.row(before) < row) return -no_limit;
+            if (cells_.column(before, chunk.toolface()[at.offset]) != column) continue;
+            if (++found == averaged_) least = std::min(least, before);
+        }
+    }
+    return least;
+}
+
+kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch,
+                            Bounds& bounds) const {
     scratch.near_short.resize(static_cast<std::size_t>(near_ * lanes));
     scratch.near_long.resize(static_cast<std::size_t>(near_long_ * lanes));
     GroupResult by_short, by_long;
@@ -307,10 +330,10 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
     scratch.starts.push_back(static_cast<std::uint32_t>(scratch.members.size()));
     judge(scratch);
     std::ranges::sort(scratch.order);
-    shallow =
+    bounds.shallow =
         std::min({by_short.shallow, by_long.shallow, by_opposite.shallow, cells_.row(g.middle - far) * cells_.height});
-    deep =
-        std::max({by_short.deep, by_long.deep, by_opposite.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
+    bounds.near_deep = std::max({by_short.deep, by_long.deep, by_opposite.deep});
+    bounds.deep = std::max(bounds.near_deep, (cells_.row(g.middle + far) + 1.0) * cells_.height);
     return g;
 }
 
@@ -430,14 +453,15 @@ void NearFar::run(const Samples& samples, const Helix& helix, Index group, Searc
                   GroupResult& result) const {
     Scratch& own = scratch_of(scratch);
     result.shallow = no_limit;
-    result.deep = -no_limit;
+    result.deep = result.near_deep = -no_limit;
     result.least_trial = rule_.radius;
     each_part(helix, group, [&](const Helix& whole, Index number, Index first, Index count, Index to) {
-        double shallow = 0.0, deep = 0.0;
-        kernel::Group g = find(samples, whole, number, own, shallow, deep);
+        Bounds bounds{};
+        kernel::Group g = find(samples, whole, number, own, bounds);
         krige(g, own, [](const kernel::Candidate& c) { return c.radius; });
-        result.shallow = std::min(result.shallow, shallow);
-        result.deep = std::max(result.deep, deep);
+        result.shallow = std::min(result.shallow, bounds.shallow);
+        result.deep = std::max(result.deep, bounds.deep);
+        result.near_deep = std::max(result.near_deep, bounds.near_deep);
         for (Index from = first; from < first + count; ++from, ++to) {
             result.radius[to] = g.radius[from];
             result.nearest[to] = g.nearest[from];
@@ -456,8 +480,8 @@ void NearFar::interpolate(const Samples& samples, const Helix& helix, Index grou
                           std::span<double* const> out) const {
     Scratch& own = scratch_of(scratch);
     each_part(helix, group, [&](const Helix& whole, Index number, Index first, Index count, Index to) {
-        double shallow = 0.0, deep = 0.0;
-        const kernel::Group found = find(samples, whole, number, own, shallow, deep);
+        Bounds bounds{};
+        const kernel::Group found = find(samples, whole, number, own, bounds);
         const Index used = std::min(count, vertex_count - group * lanes - to);
         for (std::size_t c = 0; c < channels.size(); ++c) {
             kernel::Group g = found;
@@ -522,6 +546,7 @@ void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group,
         used[k]->by.run(samples, helix, group, scratch, found[k]);
         result.shallow = std::min(result.shallow, found[k].shallow);
         result.deep = std::max(result.deep, found[k].deep);
+        result.near_deep = std::max(result.near_deep, found[k].near_deep);
         result.least_trial = std::min(result.least_trial, found[k].least_trial);
     }
     for (Index i = 0; i < lanes; ++i) {
@@ -545,6 +570,12 @@ void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group,
         result.sums.along[i] = found[first].sums.along[i];
         result.sums.across[i] = found[first].sums.across[i];
     }
+}
+
+double LikelyNearFar::far_depth(const Samples& samples, Index count) const {
+    double least = no_limit;
+    for (const One& one : each_) least = std::min(least, one.by.far_depth(samples, count));
+    return least;
 }
 
 void LikelyNearFar::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,

@@ -55,12 +55,15 @@ class NearFar {
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                      Search::Scratch& scratch, std::span<const std::span<const double>> channels,
                      std::span<double* const> out) const;
+    double far_depth(const Samples& samples, Index count) const;
 
   private:
-    // Lists the neighbours of a group in `scratch`, in canonical order. `shallow` and `deep` become the depths between
-    // which samples decide them.
-    kernel::Group find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, double& shallow,
-                       double& deep) const;
+    // The depths between which samples decide a group; below `near_deep`, only as far neighbours.
+    struct Bounds {
+        double shallow, deep, near_deep;
+    };
+    // Lists the neighbours of a group in `scratch`, in canonical order.
+    kernel::Group find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, Bounds& bounds) const;
     // Lists the far neighbours. Returns the greatest distance along the hole, from the middle of the group, at which
     // one more cell would be used.
     double find_far(const Samples& samples, const kernel::Group& g, double half_width, Scratch& scratch) const;
@@ -104,6 +107,7 @@ class LikelyNearFar {
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                      Search::Scratch& scratch, std::span<const std::span<const double>> channels,
                      std::span<double* const> out) const;
+    double far_depth(const Samples& samples, Index count) const;
 
   private:
     struct One {

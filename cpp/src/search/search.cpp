@@ -165,6 +165,11 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
         window_reach(samples, scratch.windows, span, result);
     else
         set_reach(span, reach, result);
+    result.near_deep = result.deep;
+}
+
+double Search::far_depth(const Samples& samples, Index count) const {
+    return near_far_ ? near_far_->far_depth(samples, count) : no_limit;
 }
 
 // Sets the depths between which a sample can change a group, from the greatest squared distance at which one would. The

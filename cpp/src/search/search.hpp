@@ -29,6 +29,8 @@ struct GroupResult {
     std::uint8_t iterations[kernel::lanes];
     // A new sample shallower than `shallow` or deeper than `deep` changes nothing in this group.
     double shallow, deep;
+    // A new sample deeper than all others and deeper than `near_deep` does so only as a far neighbour.
+    double near_deep;
     // A new sample also changes nothing if its squared distance from each vertex, at the radius `least_trial`, is above
     // the vertex's `reach_square`.
     double reach_square[kernel::lanes], least_trial;
@@ -90,6 +92,10 @@ class Search {
     // group], NaN if no neighbour has a value.
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                      std::span<const std::span<const double>> channels, std::span<double* const> out) const;
+
+    // Returns a depth for the last `count` samples, which lie deeper than all others: they change no group whose
+    // `near_deep` is less than their depths and less than this depth.
+    double far_depth(const Samples& samples, Index count) const;
 
     // Finds the neighbours of the group at its first trial radii: found[i * 8 + lane], in canonical order, rows of
     // depth kernel::none_depth where there are fewer. They may lie beyond max_distance. Of the result, only `shallow`

@@ -21,7 +21,7 @@ class Vertices {
         std::array<std::uint16_t, block_size> support;
         std::array<std::uint8_t, block_size> iterations;
         std::array<double, block_size> reach_square;
-        std::array<double, groups_per_block> shallow, deep, least_trial;  // as in GroupResult, for each group
+        std::array<double, groups_per_block> shallow, deep, near_deep, least_trial;  // as in GroupResult
     };
     // kernel::Sums of the vertices of a block; kept only if Settings::sigma is set.
     using Sums = std::array<std::array<double, block_size>, kernel::sum_count>;
@@ -61,6 +61,7 @@ class Vertices {
         }
         to.shallow[static_cast<std::size_t>(g)] = result.shallow;
         to.deep[static_cast<std::size_t>(g)] = result.deep;
+        to.near_deep[static_cast<std::size_t>(g)] = result.near_deep;
         to.least_trial[static_cast<std::size_t>(g)] = result.least_trial;
     }
 

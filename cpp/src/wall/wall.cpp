@@ -24,6 +24,9 @@ namespace {
 // The least number of groups for a thread; fewer are not worth the start of a thread.
 constexpr Index groups_a_thread = 256;
 
+// The most samples of a batch whose cells are looked at.
+constexpr Index most_looked_at = 1024;
+
 // Returns the index of the first of values[from, to) that is `good`, or `to`. Every append looks through the last
 // block, so the function takes sixteen values at a time, which the compiler compares as vectors.
 template <class Good>
@@ -178,6 +181,9 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
     std::vector<Index> touched;
     if (batch.count == 0) return touched;
     const Index groups = groups_of(count);
+    // Groups with a lesser near_deep do not change.
+    const bool beyond = settings.pitch > 0.0 && batch.count <= most_looked_at && batch.first_depth() > far_end;
+    const double below = beyond ? std::min(batch.first_depth(), search.far_depth(samples, batch.count)) : -no_limit;
     for (Index b = open / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Vertices::Hull& hull = vertices.hull(b);
         if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
@@ -188,7 +194,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
         for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, deep_enough)) < n;
              ++g) {
             const auto i = static_cast<std::size_t>(g);
-            if (block.shallow[i] <= batch.last_depth() && reaches(batch, first + g)) touched.push_back(first + g);
+            if (block.shallow[i] <= batch.last_depth() && block.near_deep[i] >= below && reaches(batch, first + g))
+                touched.push_back(first + g);
         }
     }
     return touched;

@@ -274,6 +274,38 @@ def test_any_split_threads_and_instructions_give_the_same_bits(settings: dict[st
         np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
 
 
+LONG = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.15, 8.0)
+LONG_NOISY = (0.11, 8e-6, 2e-6, 0.02, 0.08, 9e-7, 0.3, 24.0)
+DEEPER = [
+    {"covariance": TWO},
+    {"covariance": LONG},
+    {"covariance": NOISY},
+    {"covariance": LONG_NOISY, "robust": True},
+    {"covariance": LONG, "other_turns": (0.3, *LONG, 12.5)},
+    {"covariance": LONG, "stretches": STRETCHES},
+    {"covariance": LONG, "pitch": -0.25},
+]
+
+
+@pytest.mark.parametrize("settings", DEEPER, ids=str)
+def test_a_few_samples_at_a_time_while_the_hole_gets_deeper_give_the_same_bits(settings: dict[str, Any]) -> None:
+    """Vertices far above change only where a sample is among the first of its cell."""
+    draw = np.random.default_rng(11)
+    columns = np.column_stack([*random_hole(11, "spiral", 700, 8.0), np.zeros(700)])
+    columns[:, 0] = np.round(columns[:, 0], 2)  # several at one depth, some of them in one append
+    columns[:, 3] = np.arange(700)
+    columns = columns[np.argsort(columns[:, 0], kind="stable")]
+    start = float(columns[:, 0].max() if settings.get("pitch") else columns[:, 0].min())
+    given = {"bit_diameter": BIT, "estimator": "near-and-far", "sectors": 20, "pitch": 0.25, "start_depth": start}
+    given |= {"max_distance": 20.0} | settings
+    whole, parts = hb.Wall(**given), hb.Wall(**given)
+    whole.append(*columns.T)
+    for rows in np.split(columns, np.cumsum(draw.choice([1, 2, 5], 400))):
+        parts.append(*rows.T)
+    for name in ("radius", "nearest", "support", "sigma"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+
+
 def test_nothing_above_settled_changes_while_the_hole_gets_deeper() -> None:
     depth, toolface, radius = random_hole(9, "oval", 2000, 10.0)
     order = np.argsort(depth, kind="stable")
