@@ -208,7 +208,7 @@ def main() -> None:
         server.stop()
         live.close()
         assert server.failure is None
-        batch = hb.reconstruct(live.wall.samples, bit_diameter=0.216, start_depth=1000.0, estimator="inverse-distance")
+        batch = hb.reconstruct(live.wall.samples, **vars(live.wall.settings))
         assert np.array_equal(batch.radius, live.wall.radius, equal_nan=True), "the live wall is not the batch wall"
         late = np.array(server.latency.latest)
         reader = live.model.readers[1]

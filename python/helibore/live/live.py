@@ -114,9 +114,10 @@ class Live:
         clock: Callable[[], tuple[int, int]] = lambda: (time.time_ns(), time.monotonic_ns()),
     ) -> None:
         given = configuration if isinstance(configuration, Configuration) else load(configuration)
-        begun = given
         if journal is not None and journals.paths(FilePath(journal)):
             begun, given = continued_with(FilePath(journal), given)
+        else:
+            begun = given = given.resolved()
         self.configuration = given
         self.model, self._begun = Model(begun), begun
         self._lock = threading.Lock()
@@ -277,10 +278,11 @@ class Live:
         InputError
             If ``configuration`` changes at record ``since`` what a journal cannot change.
         """
-        whole = configuration if since == 0 else None
-        live = cls(whole or recorded_configuration(FilePath(folder)))
+        whole = configuration.resolved() if configuration and since == 0 else None
+        begun = whole or recorded_configuration(FilePath(folder))
         numbers = numbers_of(FilePath(folder), whole) if whole else None
-        live.model = Model(live.configuration, follows=whole is None, numbers=numbers)
+        live = cls(begun)
+        live.model = Model(begun, follows=whole is None, numbers=numbers)
         change = (since, configuration) if configuration and since else None
         for _ in read_into(live.model, FilePath(folder), report, change):
             pass

@@ -38,7 +38,7 @@ TURNS = Rule("must have ten numbers for each turn", lambda values: len(values) >
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 USUAL: Literal["inverse-distance", "automatic"] = "automatic"
-"""The estimator where none is stated and all samples are there."""
+"""The estimator where none is stated, live too, but for `Wall` and wells made in blocks."""
 CHOSEN = (
     "neighbors", "window", "power", "max_iterations", "tolerance", "angular_scale", "kriging_range", "nugget",
     "covariance", "other_turns", "stretches", "robust", "direct",
@@ -103,9 +103,10 @@ class Settings(Declared, group="wall"):
         "it use a shape that continues along the hole. "
         "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
         "that are left out or, between arms, by the covariance. In a live configuration its walls begin with inverse "
-        "distance, and are fitted at 5, 10, 20 and 40 m; `Wall` must be given one of the three. None: 'automatic' "
-        "where all samples are there; 'inverse-distance' where they come later, in a well that is made in blocks, and "
-        "where a setting is stated that 'automatic' would choose, such as ``neighbors`` or ``angular_scale``.",
+        "distance, and are fitted at 5, 10, 20 and 40 m; `Wall` must be given one of the three. None: 'automatic', "
+        "live too; 'inverse-distance' in `Wall`, in a well that is made in blocks, where a setting is stated that "
+        "'automatic' would choose, such as ``neighbors`` or ``angular_scale``, and in a journal that was begun when "
+        "it was the live default.",
     ] = cast(Any, None)  # fmt: skip  # becomes one of them by `resolved`
     kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
         "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "
@@ -186,7 +187,7 @@ class Settings(Declared, group="wall"):
     def resolved(self, *, later: bool = False) -> Settings:
         """Return the settings with an estimator, which may be none yet.
 
-        It is `USUAL`, or inverse distance if one of `CHOSEN` is stated or samples may come ``later``.
+        It is `USUAL`, or inverse distance if one of `CHOSEN` is stated or samples may come ``later`` without a fit.
         """
         if self.estimator is not None:
             return self

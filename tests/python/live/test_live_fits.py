@@ -24,10 +24,12 @@ from helibore import Live
 from helibore.base.errors import InputError
 from helibore.live.journal import checkpoint, journal
 from helibore.live.journal.journal import Journal, JournalFullError, segments
+from helibore.live.journal.session_header import headers
 from helibore.live.model import fits
-from helibore.live.rules.configuration import parse
+from helibore.live.rules.configuration import Configuration, parse
 from helibore.live.wire import wits
 from helibore.samples.caliper import Caliper
+from helibore.settings import wall_settings
 
 AUTOMATIC = WALL.replace("sectors = 16", 'sectors = 8\nestimator = "automatic"')
 SENT = (
@@ -53,6 +55,7 @@ def framed(rows):
 
 
 STREAM = b"".join(framed(oval(110.5)))
+UNSTATED = SENT.replace('estimator = "automatic"\n', "")
 
 
 def found(live, layer="main"):
@@ -90,9 +93,15 @@ def asked(monkeypatch):
 KNOWN: dict = {}
 
 
-def in_pieces(cuts, folder=None):
+@pytest.fixture
+def by_default(monkeypatch):
+    """The default that users have; the other tests state an estimator, or have inverse distance."""
+    monkeypatch.setattr(wall_settings, "USUAL", "automatic")
+
+
+def in_pieces(cuts, folder=None, text=SENT):
     """The wall of STREAM cut at these places, and what was recorded of its fits."""
-    with Live(parse(SENT), folder, clock=Clock()) as live:
+    with Live(parse(text), folder, clock=Clock()) as live:
         for start, stop in zip([0, *cuts], [*cuts, len(STREAM)], strict=True):
             live.receive("mwd", STREAM[start:stop])
     return live
@@ -113,6 +122,96 @@ def test_fits_and_wall_are_the_same_however_the_bytes_are_cut(asked):
         assert live.wall.settings == alone.wall.settings
         assert bits(live.wall) == bits(alone.wall)
     assert set(asked) == {64, 126}, "the samples up to the one with which 5 and 10 m are reached"
+
+
+def begun_with(folder):
+    """What the journal states of its walls."""
+    [header, *_] = [header for segment in segments(folder) for _, header in headers(segment)]
+    return json.loads(header["meaning"])["wall"]
+
+
+@pytest.mark.usefixtures("asked", "by_default")
+def test_a_wall_without_an_estimator_is_automatic_at_any_split_and_its_journal_says_so(tmp_path):
+    stated = in_pieces(range(1, len(STREAM), 100))
+    assert stated.wall.settings.estimator == "near-and-far"
+    draw = random.Random(9)
+    for name in ("a", "b"):
+        cuts = sorted(draw.sample(range(1, len(STREAM)), 200))
+        live = in_pieces(cuts, tmp_path / name, UNSTATED)
+        assert begun_with(tmp_path / name)["estimator"] == "automatic"
+        assert live.wall.settings == stated.wall.settings
+        assert bits(live.wall) == bits(stated.wall) == bits(Live.replay(tmp_path / name).wall)
+    with Live(parse(SENT), tmp_path / "a") as again:  # what was the default may be stated
+        assert bits(again.wall) == bits(stated.wall)
+
+
+@pytest.mark.usefixtures("by_default")
+def test_a_setting_of_inverse_distance_states_it(tmp_path):
+    live = in_pieces([], tmp_path / "j", UNSTATED.replace("[wall]", "[wall]\nangular_scale = 4.0"))
+    assert begun_with(tmp_path / "j")["estimator"] == live.wall.settings.estimator == "inverse-distance"
+    assert not live.model.fits
+
+
+@pytest.fixture
+def of_before(tmp_path, monkeypatch):
+    """The journal, with a checkpoint, of a version with another default: half of STREAM, in segments of 2 m."""
+    with monkeypatch.context() as before:
+        before.setattr(Configuration, "resolved", lambda self: self)
+        with Live(parse(UNSTATED), tmp_path / "old", clock=Clock()) as live:
+            live.journal._segment_bytes = 2_000
+            for start in range(0, len(STREAM) // 2, 50):
+                live.receive("mwd", STREAM[start : start + 50])
+            live.checkpoint()
+    assert "estimator" not in begun_with(tmp_path / "old")
+    return tmp_path / "old"
+
+
+def goes_on(folder, text=UNSTATED):
+    """The wall of the whole STREAM, after the journal in ``folder`` was continued to its end."""
+    with Live(parse(text), folder, clock=Clock()) as live:
+        live.receive("mwd", STREAM[live.model.readers[1].total("bytes") :])
+    return live
+
+
+@pytest.mark.usefixtures("by_default")
+@pytest.mark.parametrize("lost", ["nothing", "checkpoint", "segments"])
+@pytest.mark.parametrize("text", [UNSTATED, UNSTATED + "silence = 9.0\n[passes]\non_bottom = 0.7\n"])
+def test_a_journal_of_before_goes_on_by_inverse_distance(of_before, lost, text):
+    if lost == "checkpoint":
+        checkpoint.paths(of_before)[0].unlink()
+    if lost == "segments":  # as `[journal] old = "remove"` does
+        assert len(journal.paths(of_before)) > 2
+        for path in journal.paths(of_before)[:-1]:
+            path.unlink()
+    live = goes_on(of_before, text)
+    plain = in_pieces([], text=UNSTATED.replace("[wall]", '[wall]\nestimator = "inverse-distance"'))
+    assert live.wall.sample_count == len(oval(110.5)) // 3 * 3
+    assert not live.model.fits
+    assert bits(live.wall) == bits(plain.wall)
+    assert "estimator" not in live.configuration.wall
+    with Live(parse(text), of_before) as again:
+        assert bits(again.wall) == bits(plain.wall)
+
+
+@pytest.mark.usefixtures("by_default")
+def test_a_journal_of_before_takes_another_estimator_by_a_replay_only(of_before):
+    with pytest.raises(InputError, match=r'wall.estimator = "automatic", was not set'):
+        Live(parse(SENT), of_before)
+    goes_on(of_before)
+    assert Live.replay(of_before).wall.settings.estimator == "inverse-distance"
+    assert Live.replay(of_before, parse(UNSTATED)).wall.settings.estimator == "near-and-far"
+
+
+@pytest.mark.usefixtures("asked")
+def test_a_journal_that_began_with_automatic_keeps_it_where_another_default_applies(tmp_path, monkeypatch):
+    with monkeypatch.context() as now:
+        now.setattr(wall_settings, "USUAL", "automatic")
+        in_pieces([], tmp_path / "j", UNSTATED)
+    text = UNSTATED.replace("bit_diameter = 0.216", "bit_diameter = 0.2159")
+    assert text != UNSTATED
+    with Live(parse(text), tmp_path / "j") as live:
+        assert live.configuration.wall["estimator"] == "automatic"
+        assert live.wall.settings.estimator == "near-and-far"
 
 
 def test_a_fit_of_samples_as_they_arrive_is_that_of_their_batch_in_any_order(monkeypatch):
@@ -233,22 +332,16 @@ with Live(parse(sys.argv[3]), sys.argv[1]) as live, open(sys.argv[2], "rb") as s
 """
 
 
-def resumed(folder):
-    """The wall of the whole STREAM, after the journal in ``folder`` was continued to its end."""
-    with Live(parse(SENT), folder) as live:
-        live.receive("mwd", STREAM[live.model.readers[1].total("bytes") :])
-    return live
-
-
 @pytest.mark.usefixtures("asked")
+@pytest.mark.parametrize("text", [SENT, UNSTATED])
 @pytest.mark.parametrize("when", ["before", "after"])
-def test_a_wall_killed_beside_the_record_of_its_fit_goes_on_as_if_it_were_not(tmp_path, when):
+def test_a_wall_killed_beside_the_record_of_its_fit_goes_on_as_if_it_were_not(tmp_path, when, text):
     (tmp_path / "stream").write_bytes(STREAM)
-    arguments = [sys.executable, "-c", KILLED, tmp_path / "j", tmp_path / "stream", SENT, when]
+    arguments = [sys.executable, "-c", KILLED, tmp_path / "j", tmp_path / "stream", text, when]
     killed = subprocess.run(arguments, check=False, stdout=subprocess.DEVNULL)
     assert killed.returncode == -signal.SIGKILL
     assert [fit["length"] for fit in recorded(tmp_path / "j")] == ([] if when == "before" else [5])
-    live, whole = resumed(tmp_path / "j"), in_pieces([])
+    live, whole = goes_on(tmp_path / "j", text), in_pieces([])
     assert [fit["length"] for fit in recorded(tmp_path / "j")] == [5, 10]
     assert live.wall.settings == whole.wall.settings
     assert bits(live.wall) == bits(whole.wall) == bits(Live.replay(tmp_path / "j").wall)
@@ -267,7 +360,7 @@ def test_a_wall_killed_again_and_again_has_the_fits_and_bits_of_one_that_was_not
                 writer.wait(draw.uniform(0.0, 0.4))
             writer.kill()
         assert writer.returncode == -signal.SIGKILL
-    live, whole = resumed(tmp_path / "j"), in_pieces([])
+    live, whole = goes_on(tmp_path / "j", SENT), in_pieces([])
     assert live.wall.settings == whole.wall.settings
     assert bits(live.wall) == bits(whole.wall) == bits(Live.replay(tmp_path / "j").wall)
 

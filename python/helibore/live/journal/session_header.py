@@ -157,6 +157,7 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
     if last is None:
         return given, given
     if not last.get("configuration"):  # the program made a Configuration without a text
+        given = _estimated_as(json.loads(last["meaning"]), given)
         _check(folder, json.loads(last["meaning"]), given)
         return given, given
     if parse(last["configuration"]).meaning() == given.meaning():
@@ -180,8 +181,15 @@ def changed_to(given: Configuration, last: Configuration, folder: FilePath | Non
 
 
 def _changed(folder: FilePath, last: Configuration, given: Configuration) -> Configuration:
-    _check(folder, json.loads(last.meaning()), given)
+    begun = json.loads(last.meaning())
+    _check(folder, begun, _estimated_as(begun, given))
     return replace(given, wall=last.wall | {"bit_diameter": given.wall["bit_diameter"]})
+
+
+def _estimated_as(begun: dict[str, Any], given: Configuration) -> Configuration:
+    """Return ``given`` with the estimator that a journal was begun with, if ``given`` states none."""
+    recorded = {"estimator": begun["wall"]["estimator"]} if "estimator" in begun["wall"] else {}
+    return replace(given, wall=recorded | given.wall)
 
 
 def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:

@@ -289,6 +289,13 @@ class Configuration(LiveTables):
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
 
+    def resolved(self) -> Configuration:
+        """Return this configuration with its estimator, for a journal that begins: the journal then records it.
+
+        A journal that records none was begun when inverse distance was the default, and goes on with it.
+        """
+        return replace(self, wall=self.wall | {"estimator": LiveWall(**self.wall).resolved().estimator})
+
     def with_meaning(self, meaning: str) -> Configuration:
         """Return this configuration with the values that a journal recorded as its ``meaning``.
 
