@@ -160,6 +160,38 @@ def test_tight_hole_has_one_text_and_each_body_its_way_to_it(browser: Any) -> No
         screen.close()
 
 
+@pytest.mark.parametrize("size", [(390, 844), (820, 1180), (1024, 768)])
+def test_a_number_stays_with_its_unit_and_a_long_name_keeps_its_width(browser: Any, size: tuple[int, int]) -> None:
+    depth = np.arange(2000.0, 2024.0, 0.002)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, np.full(depth.size, 0.1085)), bit_diameter=0.216)
+    name = "near-bit stabiliser 8 3/8 in"
+    string = [hb.RigidBody(0.2, 0.3, 0, "bit"), hb.RigidBody(0.2127, 1.0, 1.0, name)]
+    place = (2003.0, 2004.0, 0.2, 2004.2, name, 2003.9, 0)
+    ahead = {"up": {"places": (place,)}, "down": None, "bodies": ((None, None), (2005.0, None)), "moving": "up"}
+    with hb.view(wall, string=string) as viewer:
+        state = {"bit_depth": 2022.0, "hole_depth": 2036.0, "newest": time.time(), "ahead": ahead}
+        viewer.scene.update_state(**state)
+        screen = Screen(browser, viewer.url, "#rig=1", size, drawn=False)
+        screen.until("document.querySelector('#rigBodies .name')")
+        screen.evaluate("window.__wall.app.view.choose({ units: 'ft' })")
+        screen.until("document.querySelector('#rigBodies').textContent.includes('ft')")
+        lines = """(which) => [...document.querySelectorAll(which)].filter((at) => {
+          const range = document.createRange();
+          range.selectNodeContents(at);
+          const tops = [...range.getClientRects()].map(({ bottom }) => Math.round(bottom / 12));
+          return Math.max(...tops) - Math.min(...tops) > 1;
+        }).map((at) => at.textContent)"""
+        assert screen.evaluate(f"({lines})('#rigBodies .size span, #alarmText nobr')") == []
+        assert [one["text"] for one in screen.evaluate("ink.labels") if one["text"].startswith("start of")] == []
+        narrow = "[...document.querySelectorAll('#rigBodies .name span')].map((at) => at.style.transform)"
+        assert set(screen.evaluate(narrow)) == {""}
+        assert screen.evaluate(CROSSED) == []
+        assert any(text.endswith(" ft") for text in screen.evaluate(
+            "[...document.querySelectorAll('#alarmText nobr')].map((at) => at.textContent)"
+        ))  # fmt: skip
+        screen.close()
+
+
 def test_the_worst_place_lies_ahead_and_its_distance_is_that_of_the_body_that_meets_it(browser: Any) -> None:
     """A wall to 1062 m, a bit at 1050 m, a key seat above its stabiliser and a larger washout below the bit."""
     string = [hb.RigidBody(0.2, 0.3, 0, "bit"), hb.RigidBody(0.2, 1.0, 12.0, "stabiliser")]

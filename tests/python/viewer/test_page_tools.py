@@ -789,6 +789,39 @@ def test_the_letters_of_the_sides_are_whole_inside(browser: Any, viewer: Any) ->
     screen.close()
 
 
+@pytest.mark.parametrize("inclination", [50.0, 78.0])
+def test_on_the_path_a_long_name_of_a_formation_is_in_the_pane_and_not_on_the_hole(
+    browser: Any, inclination: float
+) -> None:
+    wall = MadeWall(40_000)
+    wall.intervals = [hb.Interval("Kimmeridge Clay Formation, Upper Member", 1001.0, 1030.0)]
+    depth = np.arange(900.0, 1300.0, 30.0)
+    path = hb.Survey(depth, np.full(depth.size, inclination), np.full(depth.size, 60.0)).path()
+    with hb.view(wall, path=path) as viewer:
+        viewer.scene.intervals = tuple(wall.intervals)
+        screen = Screen(browser, viewer.url, "#md=1025&sec=50&camera=outside", (1366, 768))
+        screen.settle()
+        found = screen.evaluate("""(() => {
+          const { renderer: { gpu, rects: { wall } }, path, view, store } = window.__wall.app;
+          const radius = store.bitRadius * view.tubeFactor(store);
+          const at = (depth) => [-0.9, 0, 0.9].map((side) => {
+            const frame = path.at(depth);
+            return gpu.project(frame, wall, gpu.aside(frame, side * radius));
+          });
+          const hole = Array.from({ length: 500 }, (_, i) => at(1000 + i / 10)).flat();
+          const names = ink.labels.filter(({ text, left }) => text.startsWith('Kimm') && left > wall.left);
+          return names.map(({ left, right, top, bottom }) => [
+            left - wall.left, wall.left + wall.width - right,
+            hole.filter(([x, y]) => x > left && x < right && y > top && y < bottom).length,
+          ]);
+        })()""")
+        assert len(found) == 1
+        assert found[0][0] >= 0
+        assert found[0][1] >= 0
+        assert found[0][2] == 0
+        screen.close()
+
+
 def test_on_the_path_discs_have_their_angles_and_a_top_that_was_picked_is_no_second_line(browser: Any) -> None:
     """A top within 0.2 m of a pick is the pick, with the top's name; labels of nearer planes come first inside."""
     path = hb.Survey([970.0, 1100.0], [30.0, 30.0], [70.0, 70.0], north="grid").path(extend=100.0)

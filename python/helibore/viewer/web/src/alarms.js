@@ -3,7 +3,7 @@
 // hides them, and Q silences the alarms once they are shown.
 
 import { recall, remember } from './memory.js';
-import { byId, hide, say } from './dom.js';
+import { byId, fill, hide, say } from './dom.js';
 import { late } from './late.js';
 import { showSize, showSpan } from './units.js';
 import { byConsequence, IN_WORDS, sureText } from './zones.js';
@@ -130,5 +130,9 @@ export class Alarms {
 /** @param {'alarmText' | 'alarmWhole'} id @param {string[]} texts */
 function lines(id, texts) {
   if (byId(id).textContent === texts.join('')) return;
-  byId(id).replaceChildren(...texts.map((textContent) => Object.assign(document.createElement('span'), { textContent })));
+  byId(id).replaceChildren(...texts.map((text) => {
+    const span = document.createElement('span');
+    fill(span, text);
+    return span;
+  }));
 }

@@ -35,6 +35,14 @@ export const hide = (hidden, ...ids) => ids.forEach((id) => put(byId(id), { hidd
 /** @param {string} id @param {string} textContent */
 export const say = (id, textContent) => put(byId(id), { textContent });
 
+const ATOM = /((?:at |[+−±≤])?\d[\d.]*(?:–\d[\d.]*)?(?: ?(?:[°%]|[a-z]{1,2}³?(?![a-z])))?)/;
+
+// Write a text in which no line ends between a number and its sign, its unit or the other end of its range.
+/** @param {Element} at @param {string} text */
+export function fill(at, text) {
+  if (at.textContent !== text) at.replaceChildren(...text.split(ATOM).map((part, i) => (i % 2 ? Object.assign(document.createElement('nobr'), { textContent: part }) : part)));
+}
+
 // Write pairs of name and text to a list; a third text is the tooltip of both.
 /** @param {string} id @param {string[][]} pairs */
 export function write(id, pairs) {
@@ -42,5 +50,9 @@ export function write(id, pairs) {
   if (list.children.length !== 2 * pairs.length) {
     list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].flatMap((name) => [document.createElement(name), ' ']))); // copied text keeps its words apart
   }
-  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((textContent, j) => put(/** @type {HTMLElement} */ (list.children[2 * i + j]), { textContent, title })));
+  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((words, j) => {
+    const at = /** @type {HTMLElement} */ (list.children[2 * i + j]);
+    fill(at, words);
+    put(at, { title });
+  }));
 }

@@ -42,9 +42,9 @@ function cell(id, head, digits, unit, more) {
 }
 
 // Make a text that is wider than its cell narrower.
-/** @param {HTMLElement} one */
-function fit(one) {
-  const room = /** @type {HTMLElement} */ (one.parentElement).clientWidth - MARGIN;
+/** @param {HTMLElement} one @param {number} [margin] */
+function fit(one, margin = MARGIN) {
+  const room = /** @type {HTMLElement} */ (one.parentElement).clientWidth - margin;
   one.style.transform = one.scrollWidth > room ? `scaleX(${room / one.scrollWidth})` : '';
 }
 
@@ -312,13 +312,15 @@ function writeBodies(app) {
     if (tag) whole.append(make('small', tag, 'note'));
     first.append(whole);
     return [first, ...values.map(([digits, unit, note]) => {
-      const value = make('p', digits, `${state} size${('none –'.includes(digits) && !note) || note === MAY || digits.startsWith('≤') ? ' soft' : ''}`);
-      if (unit) value.append(make('small', ` ${unit}`));
+      const value = make('p', '', `${state} size${('none –'.includes(digits) && !note) || note === MAY || digits.startsWith('≤') ? ' soft' : ''}`);
+      const number = make('span', digits); // it stays with its unit
+      if (unit) number.append(make('small', ` ${unit}`));
+      value.append(number);
       if (note) value.append(make('small', note, 'note'));
       return value;
     })];
   }), make('p', lacks, 'lacks'));
-  for (const one of at.querySelectorAll('.name span, .lacks')) fit(/** @type {HTMLElement} */ (one));
+  for (const one of at.querySelectorAll('.name span, .lacks')) fit(/** @type {HTMLElement} */ (one), 8); // their padding
 }
 
 // Return the places above and below the bit in which the string surely sticks, each once, the tightest first.

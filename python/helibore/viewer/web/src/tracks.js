@@ -168,14 +168,14 @@ export function outside({ view, store, growing }, rect) {
   const [shallow, deep] = store.span;
   const down = store.levels[0].pitch > 0;
   const bottom = rect.top + rect.height;
-  /** @param {number} depth @param {boolean} drilled @param {string} end */
-  const words = (depth, drilled, end) => {
+  /** @param {number} depth @param {boolean} drilled @param {string} end @param {string} edge */
+  const words = (depth, drilled, end, edge) => {
     const at = showDepth(depth, view.units, 1) + (view.bent ? ' MD' : '');
-    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`, at] : [`${end} of data, ${at}`, `${end} of data`];
+    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, `to ${at}`, at] : [`${end} of data, ${at}`, `${end} of data`, `${edge} ${at}`, at];
   };
   return [
-    { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: words(shallow, !down, 'start') },
-    { from: Math.max(rect.top, yOf(view, rect, deep)), to: bottom, edge: 0, words: words(deep, down, 'end') },
+    { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: words(shallow, !down, 'start', 'from') },
+    { from: Math.max(rect.top, yOf(view, rect, deep)), to: bottom, edge: 0, words: words(deep, down, 'end', 'to') },
   ].filter(({ from, to }) => to - from >= 2);
 }
 
