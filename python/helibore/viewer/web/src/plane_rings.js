@@ -5,7 +5,7 @@
 
 import { linesOf, outlined } from './dip_ink.js';
 import { anglesOf, levelPlane, planeDepth, wallPoint } from './dips.js';
-import { BOLD, label, PALETTES } from './layout.js';
+import { BOLD, fitting, label, PALETTES } from './layout.js';
 import { line } from './strokes.js';
 import { cross, dot, eastNorthUp, minus, normalised, plus, scaled } from './vectors.js';
 
@@ -13,6 +13,9 @@ const SIZE = 2.6; // of a disc, in radii of the drawn hole: all are alike
 const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
 const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
+const LEAST_NAME = 60; // pixels of a name that stands in narrow room
+const ANGLES = /^.* (?=\d\S*( ± \S+)? \/ )/; // what stands before the angles of a pick
+const HOLE_STEPS = 40;
 const RIM = 2; // pixels
 const STEP = 5; // degrees between two points of an edge
 const NO_DIP = [3, 3]; // dashes of a level ring
@@ -134,14 +137,17 @@ export function drawDiscs(ink, look, planes, gpu) {
   return () => {
     const { strokes } = ink.canvas;
     const before = strokes.length;
-    strokes.push(...beside.flatMap(({ edge }) => edge)); // a name keeps off the edges of discs
+    strokes.push(...beside.flatMap(({ edge }) => edge), ...holeEdges(look, gpu, radius)); // a name keeps off discs and the hole
     /** @type {(parts: string[], place: { colour: string, at: Pair, dx: number, dy: number }, yields: boolean) => void} */
     const write = (parts, { colour, at, dx, dy }, yields) => {
       const whole = parts.join('   ');
       ink.font = BOLD;
       const end = at[0] + 6 * dx - rect.left - 6; // of the room at the left of the disc
-      const lines = dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]; // in two lines it need not stand on the hole
-      const x = Math.max(end, dx < -0.3 ? Math.max(...lines.map((text) => ink.measureText(text).width)) : 0) + rect.left + 6;
+      const room = Math.max(LEAST_NAME, dx < -0.3 ? end : dx > 0.3 ? rect.width - end - 12 : rect.width - 12);
+      const lines = (dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]).map((text) => fitting(ink, [text, text.replace(ANGLES, '')], room)); // in two lines it need not stand on the hole
+      const wide = Math.max(...lines.map((text) => Math.min(room, ink.measureText(text).width)));
+      const [before, behind] = dx < -0.3 ? [wide, 0] : dx > 0.3 ? [0, wide] : [wide / 2, wide / 2];
+      const x = Math.max(before, Math.min(end, rect.width - 12 - behind)) + rect.left + 6;
       let moved = 0;
       for (const [i, text] of lines.entries()) {
         const place = label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: ROWS, yields, margin: 1 });
@@ -156,6 +162,17 @@ export function drawDiscs(ink, look, planes, gpu) {
     for (const place of beside) if (place.at && !tops.some(({ plane }) => plane === place.plane)) write([anglesOf(place.plane, path)], place, true);
     strokes.length = before;
   };
+}
+
+// Return the axis and both edges of the hole in view, as strokes.
+/** @param {Looks} look @param {Gpu} gpu @param {number} radius @returns {Stroke[]} */
+function holeEdges({ view, path, store: { span }, rects: { wall } }, gpu, radius) {
+  const [top, bottom] = [Math.max(view.top, span[0]), Math.min(view.bottom, span[1])];
+  const frames = Array.from({ length: HOLE_STEPS + 1 }, (_, i) => path.at(top + ((bottom - top) * i) / HOLE_STEPS));
+  return [-1, 0, 1].flatMap((side) => {
+    const points = frames.map((frame) => gpu.project(frame, wall, gpu.aside(frame, side * radius)));
+    return points.flatMap((point, i) => (point && points[i - 1] ? [/** @type {Stroke} */ ([.../** @type {Pair} */ (points[i - 1]), ...point])] : []));
+  });
 }
 
 // Return where a name stands beside the hole.
