@@ -146,8 +146,8 @@ export function drawDiscs(ink, look, planes, gpu) {
       const room = Math.max(LEAST_NAME, dx < -0.3 ? end : dx > 0.3 ? rect.width - end - 12 : rect.width - 12);
       const lines = (dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]).map((text) => fitting(ink, [text, text.replace(ANGLES, '')], room)); // in two lines it need not stand on the hole
       const wide = Math.max(...lines.map((text) => Math.min(room, ink.measureText(text).width)));
-      const [before, behind] = dx < -0.3 ? [wide, 0] : dx > 0.3 ? [0, wide] : [wide / 2, wide / 2];
-      const x = Math.max(before, Math.min(end, rect.width - 12 - behind)) + rect.left + 6;
+      const [ahead, behind] = dx < -0.3 ? [wide, 0] : dx > 0.3 ? [0, wide] : [wide / 2, wide / 2];
+      const x = Math.max(ahead, Math.min(end, rect.width - 12 - behind)) + rect.left + 6;
       let moved = 0;
       for (const [i, text] of lines.entries()) {
         const place = label(ink, text, x, at[1] + 12 * dy + 15 * (i - (lines.length - 1) / 2), { colour, halo: palette.paper, align: dx > 0.3 ? 'left' : dx < -0.3 ? 'right' : 'center', font: BOLD, near: ROWS, yields, margin: 1 });
