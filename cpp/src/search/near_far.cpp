@@ -572,10 +572,10 @@ void LikelyNearFar::run(const Samples& samples, const Helix& helix, Index group,
     }
 }
 
-double LikelyNearFar::far_depth(const Samples& samples, Index count) const {
-    double least = no_limit;
-    for (const One& one : each_) least = std::min(least, one.by.far_depth(samples, count));
-    return least;
+std::vector<Search::FarChange> LikelyNearFar::far_changes(const Samples& samples, Index count) const {
+    std::vector<Search::FarChange> changes;
+    for (const One& one : each_) changes.push_back({one.start, one.stop, one.by.far_depth(samples, count)});
+    return changes;
 }
 
 void LikelyNearFar::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,

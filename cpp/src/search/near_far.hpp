@@ -107,7 +107,7 @@ class LikelyNearFar {
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                      Search::Scratch& scratch, std::span<const std::span<const double>> channels,
                      std::span<double* const> out) const;
-    double far_depth(const Samples& samples, Index count) const;
+    std::vector<Search::FarChange> far_changes(const Samples& samples, Index count) const;
 
   private:
     struct One {

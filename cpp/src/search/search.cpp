@@ -168,8 +168,8 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     result.near_deep = result.deep;
 }
 
-double Search::far_depth(const Samples& samples, Index count) const {
-    return near_far_ ? near_far_->far_depth(samples, count) : no_limit;
+std::vector<Search::FarChange> Search::far_changes(const Samples& samples, Index count) const {
+    return near_far_ ? near_far_->far_changes(samples, count) : std::vector<FarChange>{};
 }
 
 // Sets the depths between which a sample can change a group, from the greatest squared distance at which one would. The

@@ -93,9 +93,12 @@ class Search {
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                      std::span<const std::span<const double>> channels, std::span<double* const> out) const;
 
-    // Returns a depth for the last `count` samples, which lie deeper than all others: they change no group whose
-    // `near_deep` is less than their depths and less than this depth.
-    double far_depth(const Samples& samples, Index count) const;
+    // What the last `count` samples, which lie deeper than all others, can change from afar: no group, some vertices of
+    // which lie in [start, stop), if its `near_deep` is less than their depths and than `depth`.
+    struct FarChange {
+        double start, stop, depth;
+    };
+    std::vector<FarChange> far_changes(const Samples& samples, Index count) const;
 
     // Finds the neighbours of the group at its first trial radii: found[i * 8 + lane], in canonical order, rows of
     // depth kernel::none_depth where there are fewer. They may lie beyond max_distance. Of the result, only `shallow`

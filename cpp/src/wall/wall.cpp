@@ -181,9 +181,15 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
     std::vector<Index> touched;
     if (batch.count == 0) return touched;
     const Index groups = groups_of(count);
-    // Groups with a lesser near_deep do not change.
     const bool beyond = settings.pitch > 0.0 && batch.count <= most_looked_at && batch.first_depth() > far_end;
-    const double below = beyond ? std::min(batch.first_depth(), search.far_depth(samples, batch.count)) : -no_limit;
+    const auto from_afar = beyond ? search.far_changes(samples, batch.count) : std::vector<Search::FarChange>{};
+    const auto too_far = [&](Index group, double near_deep) {
+        if (!beyond || near_deep >= batch.first_depth()) return false;
+        const double top = helix.depth(group * lanes), bottom = helix.depth(group * lanes + lanes - 1);
+        return std::ranges::none_of(from_afar, [&](const Search::FarChange& change) {
+            return near_deep >= change.depth && change.start <= bottom && top < change.stop;
+        });
+    };
     for (Index b = open / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Vertices::Hull& hull = vertices.hull(b);
         if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
@@ -194,7 +200,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
         for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, deep_enough)) < n;
              ++g) {
             const auto i = static_cast<std::size_t>(g);
-            if (block.shallow[i] <= batch.last_depth() && block.near_deep[i] >= below && reaches(batch, first + g))
+            if (block.shallow[i] <= batch.last_depth() && !too_far(first + g, block.near_deep[i]) &&
+                reaches(batch, first + g))
                 touched.push_back(first + g);
         }
     }
