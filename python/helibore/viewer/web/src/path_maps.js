@@ -14,7 +14,7 @@ const POINTS = ['N', 'NNE', 'NE', 'ENE', 'E', 'ESE', 'SE', 'SSE', 'S', 'SSW', 'S
 
 // Return the name of the nearest of sixteen directions.
 /** @param {number} azimuth radians */
-const nameOf = (azimuth) => POINTS[((Math.round((azimuth * 8) / Math.PI) % 16) + 16) % 16];
+export const nameOf = (azimuth) => POINTS[((Math.round((azimuth * 8) / Math.PI) % 16) + 16) % 16];
 
 // Draw the plan at the left of the pane, or at the right where the hole or a name is there, and the side where it has room.
 /** @param {Ink} ink @param {Looks} look @param {Gpu} gpu @param {Planes} planes */

@@ -339,6 +339,7 @@ export class Wells {
 
   fit() {
     this.scene.fitted = this.section.fitted = false;
+    this.scene.all = true;
     this.redraw();
   }
 

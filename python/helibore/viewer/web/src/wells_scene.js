@@ -7,9 +7,10 @@ import { anglesInWords, anglesOf, wallPoint } from './dips.js';
 import { Flat } from './flat.js';
 import { BOLD, fitting, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
+import { nameOf } from './path_maps.js';
 import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
 import { byId } from './dom.js';
-import { depthNumber, depthUnit } from './units.js';
+import { depthNumber, depthUnit, showDepth } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 import { captionLines, compass } from './wall_ink.js';
 
@@ -17,6 +18,11 @@ const WIDE = 3; // of a disc, in radii of the drawn hole: the scene is seen from
 const TUBE = 0.03; // diameter of the nearest hole, in heights of the picture
 const SLIM = 12; // radii in the length of a hole, at least
 const STEPS = 24; // of the strip of a bed from its top to its base
+const DOT = 0.06; // share of the box around the wells; shorter wells are dots in it
+const EDGE = 30; // pixels from the edge of the picture to the words on what is beyond it
+const ARROWS = '→↗↑↖←↙↓↘';
+/** @type {Pair[]} */
+const ROWS = [0, 16, -16, 32, -32].map((dy) => [0, dy]);
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
 const NAMES = 170; // pixels across, for the names beside the wells
@@ -24,6 +30,7 @@ const FROM = [-0.5, -1, 0.35]; // direction from which the scene is seen at firs
 
 export class Scene {
   fitted = false;
+  all = false; // all wells are to be in view, also as dots
   seen = Infinity; // wells that it was fitted to
   changed = true; // the flat shapes are to be made anew
   key = '';
@@ -104,6 +111,30 @@ export class Scene {
     return wanted <= 1 ? 1 : niceStep(0.6 * wanted);
   }
 
+  // Whether the wells are so short, beside the distances between them, that each is a dot where all are in view.
+  get scattered() {
+    return Math.max(...this.wells.drawn.map(({ store: { span } }) => span[1] - span[0])) < DOT * length(minus(this.high, this.low));
+  }
+
+  // Write at the edge of the picture which wells are beyond it: how far, and which way from the well that is nearest to its middle.
+  /** @param {Ink} ink @param {Rect} rect @param {Palette} palette */
+  letterOthers(ink, rect, palette) {
+    const { wells: { drawn, view, gpu: { outside: camera } }, orbit: { target } } = this;
+    const middles = drawn.map((well) => this.at(well, (well.store.span[0] + well.store.span[1]) / 2));
+    const away = (/** @type {Vector} */ place) => length(minus(this.stretched(place), target));
+    const here = middles.reduce((near, place) => (away(place) < away(near) ? place : near));
+    drawn.forEach(({ name }, i) => {
+      const [x, y] = this.project(middles[i], rect) ?? [NaN, NaN];
+      if (x > rect.left && x < rect.left + rect.width && y > rect.top && y < rect.top + rect.height) return;
+      const way = minus(middles[i], here);
+      const [right, up] = [0, 1].map((axis) => dot(minus(this.stretched(middles[i]), target), camera.axes[axis]));
+      const share = Math.min((rect.width / 2 - EDGE) / Math.abs(right), (rect.height / 2 - EDGE) / Math.abs(up));
+      const arrow = ARROWS[(Math.round((4 * Math.atan2(up, right)) / Math.PI) + 8) % 8];
+      const [text, left] = [`${name}, ${showDepth(Math.hypot(way[0], way[1]), view.units, 0)} ${nameOf(Math.atan2(way[0], way[1]))}`, right < 0];
+      label(ink, left ? `${arrow} ${text}` : `${text} ${arrow}`, rect.left + rect.width / 2 + share * right + (left ? -1 : 1) * (EDGE - 10), rect.top + rect.height / 2 - share * up, { colour: palette.ink, halo: palette.paper, align: left ? 'left' : 'right', font: BOLD, near: ROWS });
+    });
+  }
+
   get corners() {
     return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? this.high : this.low)[axis]));
   }
@@ -165,7 +196,10 @@ export class Scene {
     this.orbit.enabled = true;
     if (drawn.length > this.seen) this.fitted = false; // another well has come
     this.measure();
-    if (!this.fitted) this.fit();
+    if (!this.fitted) {
+      this.fit();
+      if (this.scattered && !this.all) this.lookAt(drawn[0]);
+    }
     this.usualTube = this.suitedTube();
     const key = [drawn.map(({ name, path }) => name + path.version).join(), view.theme, wells.tube, this.tall, this.far, ...this.from.slice(0, 2).map(Math.sign)].join();
     if (this.changed || key !== this.key) {
@@ -326,6 +360,7 @@ export class Scene {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, (2.5 * well.store.bitRadius * wells.tube) / this.tall]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
     }
+    this.letterOthers(ink, rect, palette);
     if (wells.shown.box) this.letterBox(ink, rect, palette);
     for (const well of drawn) {
       const tops = this.topsOf(well);
