@@ -112,6 +112,8 @@ def main() -> None:
                 stored += [live.store(name, 1, frame, journal.BYTES) for name, frame in frames.items()]
                 if second % 60 == 59:
                     live.draw(stored)
+                    while (fit := live.fit()) is not None:
+                        live.draw([live.store_fit(fit)])
                     if live.checkpoint_due:
                         live.checkpoint()
                         if len(checkpoint.paths(Path(folder))) == checkpoint.KEPT:

@@ -634,7 +634,7 @@ class Live:
         return Stored(*self._stamp(self._number(source), connection, payload, kind))
 
     def draw(self, stored: Sequence[Stored]) -> Update:
-        """Read all ``stored`` records, draw them, and return what changed."""
+        """Read all ``stored`` records, draw them, and return what changed; `fit` makes the fits that are due then."""
         with self._lock:
             records = np.concatenate([np.empty(0, RECORD), *(one.record for one in stored)])
             return self._take(records, [payload for one in stored for payload in one.payloads])
