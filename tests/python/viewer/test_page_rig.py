@@ -186,6 +186,12 @@ def test_a_number_stays_with_its_unit_and_a_long_name_keeps_its_width(browser: A
         narrow = "[...document.querySelectorAll('#rigBodies .name span')].map((at) => at.style.transform)"
         assert set(screen.evaluate(narrow)) == {""}
         assert screen.evaluate(CROSSED) == []
+        if size == (1024, 768):
+            viewer.scene.update_state(newest=time.time() - 900, received=time.time() - 900)
+            screen.until("ink.labels.some(({ text }) => text.startsWith('▼ bit was'))")
+            bit = "ink.labels.find(({ text }) => text.startsWith('▼ bit was')).right"
+            image = "(({ image }) => image.left + image.width)(window.__wall.app.renderer.rects)"
+            assert screen.evaluate(f"{bit} <= {image}")
         assert any(text.endswith(" ft") for text in screen.evaluate(
             "[...document.querySelectorAll('#alarmText nobr')].map((at) => at.textContent)"
         ))  # fmt: skip

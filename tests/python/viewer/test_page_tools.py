@@ -675,6 +675,22 @@ def test_inside_the_words_of_a_pick_stand_above_its_line_where_a_slide_has_no_ro
         screen.close()
 
 
+def test_inside_the_long_name_of_a_pick_is_not_cut_by_the_pane(browser: Any) -> None:
+    with hb.view(MadeWall(60_000), path=curved_path()) as viewer:
+        name = "Open fracture with a long name that a geologist gave it"
+        pick = Pick(kind="fracture", depth=1018.0, toolface=200.0, apparent_dip=50.0, note=name)
+        viewer.scene.change_picks(lambda picks: picks.put(pick))
+        viewer.scene.update_state(bit_depth=1019.0, newest=time.time())
+        screen = Screen(browser, viewer.url, "#md=1018&sec=3&camera=down&at=1018_200", (1024, 768), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 1")
+        screen.until("ink.labels.some(({ text, left }) => text.startsWith('Open fracture') && left > 400)")
+        left, width = screen.evaluate("(({ wall }) => [wall.left, wall.width])(window.__wall.app.renderer.rects)")
+        (one,) = [one for one in screen.evaluate("ink.labels") if one["text"].startswith("Open fracture")]
+        assert left <= one["left"] < one["right"] <= left + width
+        assert one["text"].endswith("…")
+        screen.close()
+
+
 def test_inside_a_top_without_a_pick_is_level(browser: Any) -> None:
     wall = MadeWall(60_000)
     wall.intervals = (hb.Interval("Draupne", 1018.0, 1030.0),)

@@ -5,7 +5,7 @@ import { BAR } from './color_bar.js';
 import { linesOf } from './dip_ink.js';
 import { anglesOf, planeDepth, riseOf, wallPoint } from './dips.js';
 import { eyeDepth } from './inside.js';
-import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, fitting, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { drawLine, levelStroke, topInWords, topPlanes, topsOf } from './plane_rings.js';
 import { marksOf } from './sureness.js';
@@ -61,7 +61,7 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
       const far = BELOW * (Math.max(...y) - middle);
       const [below, lowest, above] = [middle + far + 16, rect.height - foot - 16 * words.length, middle - far - 16 * words.length];
       const low = below <= lowest || above < (ink.canvas.slide ? 16 : HEAD) ? Math.min(below, lowest) : above;
-      texts.push({ away: 0, isDepth: false, write: () => words.forEach((text, i) => label(ink, text, (Math.min(...x) + Math.max(...x)) / 2, low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour })) }); // above the rings, which would strike it through
+      texts.push({ away: 0, isDepth: false, write: () => words.forEach((text, i) => label(ink, ...inPane(ink, text, (Math.min(...x) + Math.max(...x)) / 2, rect), low + 16 * i, { ...lettering, colour: text === name ? palette.top : colour })) }); // above the rings, which would strike it through
     } else {
       const deepest = points[Math.round(plane.deepest / 5)] ?? seen[0]; // there, not at the top, where the depths of the rings stand
       later(plane.depth, () => label(ink, [name, anglesOf(plane, path)].filter(Boolean).join('   '), ...deepest, { ...lettering, near: [...UP_OR_DOWN, [44, 0], [-44, 0]], yields: true, margin: 4 }));
@@ -91,6 +91,15 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
   }
   heldMark(ink, look, at, palette);
   for (const { write } of texts.sort((one, other) => Number(one.isDepth) - Number(other.isDepth) || one.away - other.away)) write();
+}
+
+// Return as much of a centred text as the pane is wide, and its middle, so that neither side cuts it.
+/** @param {Ink} ink @param {string} text @param {number} middle @param {Rect} rect @returns {[string, number]} */
+function inPane(ink, text, middle, { left, width }) {
+  ink.font = BOLD;
+  const shown = fitting(ink, [text], width - 16);
+  const half = Math.min(width - 16, ink.measureText(shown).width) / 2 + 8;
+  return [shown, Math.max(left + half, Math.min(left + width - half, middle))];
 }
 
 // Mark the held cursor on the wall: a small circle, or a ring around the hole if it has no toolface.

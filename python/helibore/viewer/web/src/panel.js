@@ -2,7 +2,7 @@
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { sized } from './device.js';
-import { byId, hide, options, put, say, write } from './dom.js';
+import { byId, fill, hide, options, put, say, write } from './dom.js';
 import { wrap360 } from './helix.js';
 import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
@@ -128,7 +128,7 @@ export function reflect(view, quantity, image) {
   }
   const unit = unitOf(quantity, view.units);
   say('rangeUnit', unit);
-  say('colourText', `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale)).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim());
+  fill(byId('colourText'), `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale)).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim());
 }
 
 // Return the values at the cursor as pairs of name and text; an unknown value is a dash. Without a cursor, return the depths in

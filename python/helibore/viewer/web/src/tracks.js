@@ -207,7 +207,8 @@ export function drawCursor(ink, look) {
     const y = yOf(view, rect, bitDepth);
     const colour = oldBit ? palette.soft : palette.ink;
     line(ink, rect.left + rect.width, y, right, y, colour, [6, 4]);
-    label(ink, oldBit ? '▼ bit was here' : '▼ bit', rects.image.left + (rects.image.width ? 4 : 12), y - 8, { colour, halo: palette.paper, font: BOLD });
+    ink.font = BOLD;
+    label(ink, fitting(ink, oldBit ? ['▼ bit was here', '▼ bit was'] : ['▼ bit'], (rects.image.width || right - rects.image.left) - 8), rects.image.left + (rects.image.width ? 4 : 12), y - 8, { colour, halo: palette.paper, font: BOLD });
   }
   for (const depth of view.pins) {
     if (depth < view.top || depth > view.bottom) continue;
