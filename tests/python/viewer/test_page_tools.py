@@ -815,6 +815,11 @@ def test_on_the_path_a_long_name_of_a_formation_is_in_the_pane_and_not_on_the_ho
     path = hb.Survey(depth, np.full(depth.size, inclination), np.full(depth.size, 60.0)).path()
     with hb.view(wall, path=path) as viewer:
         viewer.scene.intervals = tuple(wall.intervals)
+        sure = {"dip_sigma": 0.6, "toolface_sigma": 1.0}
+        long = Pick(
+            kind="fracture", depth=1035.0, toolface=0.0, apparent_dip=50.0, note="Name of 30 letters, one more", **sure
+        )
+        viewer.scene.change_picks(lambda picks: picks.put(long))
         screen = Screen(browser, viewer.url, "#md=1025&sec=50&camera=outside", (1366, 768))
         screen.settle()
         found = screen.evaluate("""(() => {
@@ -832,6 +837,10 @@ def test_on_the_path_a_long_name_of_a_formation_is_in_the_pane_and_not_on_the_ho
           ]);
         })()""")
         assert len(found) == 1
+        angles = [one["text"] for one in screen.evaluate("ink.labels") if " ± " in one["text"] and one["left"] > 600]
+        assert all(re.search(r"(^| )\d+ ± \d+ / \d+ ± \d+$", text) for text in angles), (
+            "a name is cut, its angles are not"
+        )
         assert found[0][0] >= 0
         assert found[0][1] >= 0
         assert found[0][2] == 0

@@ -14,7 +14,7 @@ const SAME = 0.2; // metres: a bed that was picked so near to a top is the top
 /** @type {Pair[]} */
 const ROWS = [0, 15, -15, 30, -30, 45, -45, 60, -60].map((y) => [0, y]); // places of a name: beside its bed, else in a row above or below it
 const LEAST_NAME = 60; // pixels of a name that stands in narrow room
-const ANGLES = /^.* (?=\d\S*( ± \S+)? \/ )/; // what stands before the angles of a pick
+const ANGLES = /^.*?(?=\d\S*( ± \S+)? \/ )/; // what stands before the angles of a pick
 const HOLE_STEPS = 40;
 const RIM = 2; // pixels
 const STEP = 5; // degrees between two points of an edge
