@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import json
 import math
 import re
@@ -672,6 +673,26 @@ def test_inside_the_words_of_a_pick_stand_above_its_line_where_a_slide_has_no_ro
         (up,) = [one for one in labels if one["text"] == "U" and one["left"] > 500]
         assert len(words) == 2
         assert max(one["bottom"] for one in words) < up["top"], "above the hole's upper side"
+        screen.close()
+
+
+def test_inside_the_words_of_a_pick_leave_room_for_the_letters_of_the_sides(browser: Any) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1860.0, 1865.0, 0.311), bit_diameter=0.311, sectors=32, pitch=0.05)
+    wall.path = hb.Survey([1800.0, 1900.0], [38.0, 38.0], [142.0, 142.0], north="true").path()
+    wall.picks.append(Pick(kind="fracture", depth=1862.4, toolface=271.0, apparent_dip=62.5))
+    with hb.view(wall, path=wall.path) as viewer:
+        address = "#md=1862.4&sec=2&camera=down&at=1862.4_0"
+        screen = Screen(browser, viewer.url, address, (1600, 900), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 1")
+        screen.settle()
+        left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
+        inside = [one for one in screen.evaluate("ink.labels") if one["left"] >= left]
+        words = [one for one in inside if re.match(r"fracture at|dip \d", one["text"])]
+        sides = [one for one in inside if one["text"] in ("U", "R", "D", "L")]
+        assert (len(words), len(sides)) == (2, 4)
+        for side, one in itertools.product(sides, words):
+            across = side["left"] < one["right"] and one["left"] < side["right"]
+            assert not (across and side["top"] < one["bottom"] and one["top"] < side["bottom"]), (side, one)
         screen.close()
 
 

@@ -80,14 +80,14 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
   const [from, to] = [Math.max(view.top, eye - reach), Math.min(view.bottom, eye + reach)];
   const { values, digits } = ticks(from, to, to - from, APART * radius, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
-  let lettered = false; // on the nearest ring that is seen whole
+  let lettered = false; // on the nearest ring that is seen whole, after the words of the first plane, which they leave room
   for (const depth of ahead) {
     const top = at(depth, path.dial(depth).up ?? 0, 0.94);
     if (top && top[1] > HEAD + 8 && sizeOf(depth) > smallest) { // else its depth would be hidden
       ring(ink, (toolface) => at(depth, toolface), palette.paper);
       later(depth, () => label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 9 }), true);
     }
-    lettered ||= letters(ink, look, depth, at, palette);
+    lettered ||= letters(ink, look, depth, at, palette, (write) => texts.push({ away: 0, isDepth: false, write }));
   }
   heldMark(ink, look, at, palette);
   for (const { write } of texts.sort((one, other) => Number(one.isDepth) - Number(other.isDepth) || one.away - other.away)) write();
@@ -141,13 +141,13 @@ function ring(ink, at, colour, wide = 1) {
   ink.globalAlpha = 1;
 }
 
-/** @param {Ink} ink @param {Look} look @param {number} depth @param {(depth: number, toolface: number, out?: number) => Pair | null} at @param {Palette} palette */
-function letters(ink, { view, path, rects }, depth, at, palette) {
+/** @param {Ink} ink @param {Look} look @param {number} depth @param {(depth: number, toolface: number, out?: number) => Pair | null} at @param {Palette} palette @param {(write: () => void) => void} then */
+function letters(ink, { view, path, rects }, depth, at, palette, then) {
   const { letters: names } = CUTS[view.cut];
   const { toolface, known } = leftEdge(path, view.cut, depth);
   const { left, width, height } = rects.wall;
   const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.7)) : [];
   if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: HEAD + 12, height: height - HEAD - BAR - 24 }, ...place))) return false;
-  places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true }));
+  then(() => places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, near: [[0, 0], ...UP_OR_DOWN], yields: true })));
   return true;
 }
