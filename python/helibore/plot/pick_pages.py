@@ -55,7 +55,7 @@ def in_interval(content: Content) -> list[Pick]:
 def table_head(content: Content) -> tuple[str, ...]:
     """Return the heads of the columns of the table of picks."""
     depths, size = content.drawing.depth_unit.name, content.drawing.size_unit
-    own = (DIP_TITLES["apparent"], "Toolface [°]", "Opening", f"Misfit [{size}]")
+    own = (DIP_TITLES["apparent"], "Toolface [°]", "Aperture, opening", f"Misfit [{size}]")
     return "Class", f"MD [{depths}]", DIP_TITLES["true"], "Azimuth [°]", *own, "Note"
 
 

@@ -283,6 +283,14 @@ class TestPage:
             assert (faint + firm, 0) == (whole[1], whole[0])
             assert edges > 4 * whole[2], "its edges are dashes"
 
+    def test_the_letter_of_north_is_whole_where_north_is_at_the_left(self, browser: Any, wells: Any) -> None:
+        screen = Screen(browser, wells[0].url, drawn=False)
+        screen.until("window.__wall.wells.drawn.length > 1")
+        screen.evaluate("window.__wall.wells.scene.fit([-1, 0, 0.3])")
+        screen.until("ink.labels.some(({ text, right }) => text === 'N' && right < 30)")
+        assert screen.evaluate("ink.labels.find(({ text }) => text === 'N').left") >= 0
+        screen.close()
+
     def test_the_scene_shows_planes_as_discs_and_names_their_colours(self, browser: Any) -> None:
         walls = {name: made(HEADS[name], TOPS[name]) for name in ("A-1", "B-2")}
         for wall in walls.values():

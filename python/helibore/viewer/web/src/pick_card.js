@@ -33,7 +33,7 @@ export function writeCard(picking, { kept, boxes, current, open }) {
   if (plane) {
     const assumed = pick ? pick.radius === null : picking.points.some(({ measured }) => !measured);
     const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : picking.points.length + Number(open);
-    const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn by hand, not fitted';
+    const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 1 : 2)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn by hand, not fitted';
     const slot = plane.kind === 'bed' ? null : openingOf(app.store, plane);
     const size = (/** @type {number} */ metres) => showLength(metres, units, units === 'mm' ? 0 : 2);
     if (slot) lines.unshift(`aperture about ${size(slot.opening)}, at least ${size(slot.deep)} deep`);

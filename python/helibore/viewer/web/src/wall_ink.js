@@ -173,7 +173,7 @@ function cursorLabel(ink, look, gpu, beside, palette) {
 // Draw a needle on a level disc, as the camera sees them, with the letter of north.
 /** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */
 export function compass(ink, gpu, rect, palette) {
-  const [x, y] = [rect.left + 44, rect.height - 46];
+  const [x, y] = [rect.left + 52, rect.height - 46]; // room for the letter at either side
   /** @param {number} azimuth @param {number} share @returns {Pair} */
   const at = (azimuth, share) => {
     const [dx, dy] = gpu.facing([Math.sin(azimuth), Math.cos(azimuth), 0]);
