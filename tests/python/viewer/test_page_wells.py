@@ -499,6 +499,7 @@ class TestPage:
 
     def test_pointer_finds_well_and_depth(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, "#mode=section", drawn=False)
+        screen.until("window.__wall.wells.drawn.length === 3")
         rect, top, length = screen.evaluate(
             "(({ section: { columns, top, length } }) => [columns[1].rects.image, top, length])(window.__wall.wells)"
         )
