@@ -108,8 +108,12 @@ def test_a_hidden_page_catches_up_at_once() -> None:
                 and viewer.scene.state.curves[0]["version"] == viewer._feed._logged
             )
         )
-        version = sum(row["version"] for row in viewer.scene.state.curves)
-        until(lambda: page.evaluate("window.__wall.app.curves.offered[0]?.version") == version)
+        until(
+            lambda: (
+                page.evaluate("window.__wall.app.curves.offered[0]?.version")
+                == sum(row["version"] for row in viewer.scene.state.curves)
+            )
+        )
         assert page.evaluate("window.__wall.stats.frames") == before["frames"], "nothing is drawn for nobody"
         assert page.evaluate("window.asked") <= 1, (
             "one frame waits, however much has arrived; it may have been asked before"
