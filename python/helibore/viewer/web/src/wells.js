@@ -52,7 +52,7 @@ export class Wells {
   /** @type {Set<string>} */
   hidden = new Set(); // names of tops
   quantityId = '';
-  stale = true;
+  pictured = 0; // wells of the last picture
   movedAt = 0;
   cost = 0;
   listed = '';
@@ -172,7 +172,8 @@ export class Wells {
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
     const rect = { left: 0, top: 0, width, height: height - (this.mode === 'scene' ? BAR : 0) };
-    if (this.drawn.length) {
+    this.pictured = this.drawn.length;
+    if (this.pictured) {
       const looks = this.mode === 'scene' ? this.scene.draw(ink, rect) : this.section.draw(ink, rect);
       const asked = this.quantity;
       const shown = looks.find(({ quantity }) => quantity.id === asked?.id);
@@ -461,6 +462,6 @@ const wells = new Wells();
 Object.assign(window, { __wall: {
   wells,
   get ready() {
-    return wells.wells.length > 0 && wells.wells.every(({ ready }) => ready) && (wells.mode === 'scene' ? wells.scene : wells.section).fitted;
+    return wells.wells.length > 0 && wells.wells.every(({ ready }) => ready) && wells.pictured === wells.drawn.length;
   },
 } });
