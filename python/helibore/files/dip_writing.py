@@ -1,11 +1,11 @@
 """Write the true dips of picks for programs of structural geology: Petrel, Techlog, Geolog, WellCAD.
 
-    .csv    MD,DIP,DIP_AZIMUTH,TYPE,NOTE        names, units below them, then rows: Techlog, Geolog, WellCAD
-            m,deg,deg,,
+    .csv    MD,DIP,DIP_AZIMUTH,TYPE,NOTE,DIP_SIGMA,DIP_AZIMUTH_SIGMA    names, units below them, then rows:
+            m,deg,deg,,,deg,deg                                         Techlog, Geolog, WellCAD
     .dip    # comments, then the same columns between blanks; a missing text is a dash: point well data of Petrel
 
 All of them let the user say which column is what. A dip counts from the horizontal, its azimuth from the north of the
-path; depths are measured depths.
+path; depths are measured depths. Sigmas are those of the table of picks.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from helibore.files.las_writing import NULL
 from helibore.logs.picks import Pick
 from helibore.trajectory.survey import Path
 
-NAMES = ("MD", "DIP", "DIP_AZIMUTH", "TYPE", "NOTE")
-UNITS = ("m", "deg", "deg", "", "")
+NAMES = ("MD", "DIP", "DIP_AZIMUTH", "TYPE", "NOTE", "DIP_SIGMA", "DIP_AZIMUTH_SIGMA")
+UNITS = ("m", "deg", "deg", "", "", "deg", "deg")
 ENDINGS = (".csv", ".dip")
 
 
@@ -54,9 +54,10 @@ def save_dips(picks: Iterable[Pick], path: Path, filename: str | os.PathLike[str
         (
             f"{pick.depth:.3f}",
             f"{dip:.2f}",
-            f"{NULL:g}" if math.isnan(azimuth) else f"{azimuth:.2f}",
+            _angle(azimuth),
             pick.kind,
             pick.note,
+            *map(_angle, pick.dip_sigmas(path)),
         )
         for pick, dip, azimuth in known
         if not math.isnan(dip)
@@ -73,10 +74,14 @@ def north_text(path: Path) -> str:
     return f"{path.survey.north} north" if path.survey.north else "a north that the survey does not state"
 
 
+def _angle(degrees: float) -> str:
+    return f"{NULL:g}" if math.isnan(degrees) else f"{degrees:.2f}"
+
+
 def _between_commas(rows: Iterable[tuple[str, ...]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([NAMES, UNITS, *([*numbers, cell(kind), cell(note)] for *numbers, kind, note in rows)])
+    writer.writerows([NAMES, UNITS, *([*row[:3], *map(cell, row[3:5]), *row[5:]] for row in rows)])
     return text.getvalue()
 
 

@@ -235,6 +235,12 @@ class Pick:
         known = turned < likely and dipped < FAR
         return min(90.0, math.degrees(dipped)), math.degrees(math.asin(turned / likely)) if known else 180.0
 
+    def dip_sigmas(self, path: Path | None) -> tuple[float, float]:
+        """Return the standard uncertainties of true dip and dip azimuth on a path, degrees; NaN where `dip` is."""
+        dip = self.dip(path)[0]
+        first, second = (half / SURE if math.isfinite(dip) else math.nan for half in self.dip_interval(path))
+        return first, second
+
     def axis(self, path: Path | None) -> float:
         """Return the azimuth of a breakout's axis on a path, degrees in [0, 180); else NaN (`Path.azimuth`)."""
         return math.nan if path is None or self.kind != BREAKOUT else path.azimuth(self.depth, self.toolface) % 180
@@ -304,9 +310,7 @@ class Picks(list[Pick]):
         writer = csv.writer(text)
         writer.writerow([*COLUMNS, *DERIVED])
         for pick in sorted(self, key=lambda one: one.depth):
-            dip = pick.dip(path)
-            sigmas = [half / SURE if math.isfinite(dip[0]) else math.nan for half in pick.dip_interval(path)]
-            derived = (*dip, *sigmas, pick.axis(path))
+            derived = (*pick.dip(path), *pick.dip_sigmas(path), pick.axis(path))
             writer.writerow(
                 [*map(cell, _cells(pick)), *("" if math.isnan(angle) else _cell(angle) for angle in derived)]
             )

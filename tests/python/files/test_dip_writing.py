@@ -23,7 +23,8 @@ def picks() -> hb.Picks:
     path = SURVEY.path()
     found = hb.Picks()
     for kind, depth, dip, azimuth, note in reversed(TRUE):
-        found.append(hb.Pick(**{**vars(plane(kind, depth, dip, azimuth, path)), "note": note}))
+        sigmas = {"dip_sigma": 0.4, "toolface_sigma": 1.5} if kind == "fracture" else {}
+        found.append(hb.Pick(**{**vars(plane(kind, depth, dip, azimuth, path)), "note": note, **sigmas}))
     found.append(hb.Pick(kind="breakout", depth=1300.0, toolface=40.0, height=2.0, opening=30.0))
     found.append(hb.Pick(kind="bed", depth=2500.0, toolface=0.0, apparent_dip=20.0))  # beyond the path
     return found
@@ -31,13 +32,21 @@ def picks() -> hb.Picks:
 
 def test_a_table_with_names_and_units(tmp_path: Path, picks: hb.Picks) -> None:
     assert hb.save_dips(picks, SURVEY.path(), tmp_path / "d.csv") == 3
-    assert (tmp_path / "d.csv").read_text().split("\n")[:2] == ["MD,DIP,DIP_AZIMUTH,TYPE,NOTE", "m,deg,deg,,"]
+    assert (tmp_path / "d.csv").read_text().split("\n")[:2] == [
+        "MD,DIP,DIP_AZIMUTH,TYPE,NOTE,DIP_SIGMA,DIP_AZIMUTH_SIGMA",
+        "m,deg,deg,,,deg,deg",
+    ]
     one = hb.open(tmp_path / "d.csv").set()
     assert [one[name].unit for name in ("MD", "DIP", "DIP_AZIMUTH")] == ["m", "deg", "deg"]
     for name, at in (("MD", 1), ("DIP", 2), ("DIP_AZIMUTH", 3)):
         np.testing.assert_allclose(one.numbers(name), [row[at] for row in TRUE], atol=0.005)
     assert one["TYPE"].values.tolist() == [row[0] for row in TRUE]
     assert one["NOTE"].values[0] == "top, of =A1"
+    half = next(pick for pick in picks if pick.kind == "fracture").dip_interval(SURVEY.path())
+    for name, interval in zip(("DIP_SIGMA", "DIP_AZIMUTH_SIGMA"), half, strict=True):
+        sigma = one.numbers(name)
+        assert np.isnan(sigma).tolist() == [True, False, True], "of the others it is not known how sure they are"
+        assert sigma[1] == pytest.approx(interval / 1.96, abs=0.005)
 
 
 def test_the_same_between_blanks_below_comments(tmp_path: Path, picks: hb.Picks) -> None:
@@ -46,14 +55,14 @@ def test_the_same_between_blanks_below_comments(tmp_path: Path, picks: hb.Picks)
     assert "# WELL NAME: A 1" in lines
     assert any("FROM GRID NORTH" in line for line in lines)
     rows = [line.split(" ") for line in lines if not line.startswith("#")]
-    assert {len(row) for row in rows} == {5}
+    assert {len(row) for row in rows} == {7}
     np.testing.assert_allclose(
         [[float(cell) for cell in row[:3]] for row in rows], [row[1:4] for row in TRUE], atol=0.005
     )
     one = hb.open(tmp_path / "d.dip").set()
     np.testing.assert_allclose(one.numbers("DIP"), [row[2] for row in TRUE], atol=0.005)
     assert one["TYPE"].values.tolist() == [row[0] for row in TRUE]
-    assert [row[3:] for row in rows] == [["bed", "top,_of_=A1"], ["fracture", "-"], ["fault", "-"]]
+    assert [row[3:5] for row in rows] == [["bed", "top,_of_=A1"], ["fracture", "-"], ["fault", "-"]]
 
 
 def test_nothing_is_written_without_a_true_dip(tmp_path: Path, picks: hb.Picks) -> None:
