@@ -111,7 +111,7 @@ struct Zone {
     double enlargement, elongation;  // extreme C1 - bit (undergauge: least diameter - bit), greatest C1 - C2
     double peak;                     // depth of the enlargement
     double coverage;                 // mean, also of the gaps
-    double confidence;               // probability of the kind, 0.5 or more
+    double confidence;               // probability of the kind, 0.5 to 0.99
     double pipe_diameter;            // that fits the bottom of a key seat; NaN if few samples or a shallow slot show it
     double toolface, deviation;      // axis in [0, 180) of a breakout or direction of a key seat, and its spread
     std::array<ZoneLobe, 2> lobes;   // two of a breakout, one of a key seat

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr double likely = 0.5;         // least confidence of a zone
+constexpr double most_likely = 0.99;   // greatest one: no kind is certain, as no library has every section
 constexpr double two_sided = 0.625;    // share of breakouts among them and key seats, which diameters show alike
 constexpr double not_gauge = 0.05;     // probability of gauge below which a run is a zone, whatever its kind
 constexpr double least_sampled = 0.5;  // a wall shows no kind where a smaller share of a turn has samples near
@@ -258,7 +259,7 @@ class Finder {
         if (!sparse_.empty()) take_chained(run.inside, kinds);
         const double own = kinds[static_cast<std::size_t>(run.kind)];
         const bool alike = diameters_ && run.kind == HoleKind::breakout;
-        confidence = found.sound ? std::max(alike ? two_sided * own : own, likely) : likely;
+        confidence = found.sound ? std::clamp(alike ? two_sided * own : own, likely, most_likely) : likely;
         return !(own < likely && kinds[0] > not_gauge);
     }
 

@@ -115,9 +115,9 @@ class Zone:
     coverage
         Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
     confidence
-        Probability that the zone is of this kind, 0.5 to 1: from 0.8 on it is `sure`. A run of turns whose kind is less
-        likely and that may be gauge is no zone. 0.5 if the hole is certainly not gauge but resembles no section of a
-        known kind, or those of several kinds alike: then only the criteria say its kind.
+        Probability that the zone is of this kind, 0.5 to 0.99, since no kind is certain: from 0.8 on it is `sure`. A
+        run of turns whose kind is less likely and that may be gauge is no zone. 0.5 if the hole is certainly not gauge
+        but resembles no section of a known kind, or those of several kinds alike: then only the criteria say its kind.
     pipe_diameter
         Of a key seat: diameter of the pipe that fits the samples in its bottom, metres. NaN where they do not show it
         to within 2 mm (standard deviation, in a hole of 8.5 in), as with few samples a turn; NaN for other kinds.
@@ -157,8 +157,8 @@ class Zone:
 
     @property
     def confidence_text(self) -> str:
-        """`confidence` in percent, for lists; at most 99, since no kind is certain."""
-        return f"{min(round(100 * self.confidence), 99)} %"
+        """`confidence` in percent, for lists."""
+        return f"{100 * self.confidence:.0f} %"
 
 
 class Classification(Tabular):

@@ -214,7 +214,7 @@ class Reference:
         if likely[code] < 0.5 and likely[GAUGE] > 0.05:
             return None
         share = 0.625 if self.diameters and code == BREAKOUT else 1.0  # or a key seat, for all that diameters show
-        return max(share * likely[code], 0.5) if sound else 0.5
+        return min(max(share * likely[code], 0.5), 0.99) if sound else 0.5  # no kind is certain
 
     def lobes(self, code: int, inside: list[int]) -> tuple[float, float, list[tuple[float, float, float]]]:
         of, fold, K = self.logs, 2 if code == BREAKOUT else 1, self.logs.sectors

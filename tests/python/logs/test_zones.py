@@ -410,6 +410,13 @@ def test_a_tool_off_centre_sees_no_key_seat_and_a_true_one_is_likely() -> None:
     np.testing.assert_array_equal(worn.table()["CONF"].values, [zone.confidence for zone in worn.zones])
 
 
+def test_no_kind_is_certain_in_table_and_lists() -> None:
+    found = classify(wall_of((10, GAUGE), (20, WASHED), (10, GAUGE)))
+    assert [zone.kind for zone in found.zones] == ["washout"]
+    assert found.table()["CONF"].values.tolist() == [0.99]
+    assert found.zones[0].confidence_text == "99 %"
+
+
 @pytest.mark.parametrize(("arms", "kind"), [(4, "breakout"), (32, "undergauge")])
 def test_what_no_gauge_section_explains_is_a_zone(arms: int, kind: str) -> None:
     """An oval of 72 mm, of which the library of sections has nothing like."""
