@@ -450,6 +450,43 @@ class TestPage:
             assert screen.touching("ink") == []
             screen.close()
 
+    @pytest.mark.parametrize("size", [(1366, 768), (390, 844)])
+    def test_in_the_scene_no_words_cover_a_hole_or_others_and_beds_make_way_first(
+        self, browser: Any, size: tuple[int, int]
+    ) -> None:
+        """Of three wells on one pad, one of them nearly level, with tops, a shoe and picks that are close together."""
+        heads = {"A-1": (0.0, 0.0, 0.0), "B-2": (41.0, -12.0, 8.0), "C-3": (-12.0, 43.0, -5.0)}
+        walls = {
+            name: made(head, (1003.0, 1009.0), inclination)
+            for (name, head), inclination in zip(heads.items(), (34.0, 80.0, 5.0), strict=True)
+        }
+        for wall in walls.values():
+            wall.intervals = (*wall.intervals, hb.Interval("Surface", 0.0, 1002.0, "Casing", 0.244))
+            wall.picks = [
+                hb.Pick(kind=kind, depth=1002.5 + i, apparent_dip=50.0, toolface=20.0 * i, note=f"{kind[0]}{i}")
+                for i, kind in enumerate(6 * ("bed", "fracture"))
+            ]
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "", size, drawn=False)
+            screen.until("window.__wall.wells.drawn.length === 3")
+            screen.until("window.__wall.wells.wells.every((well) => well.planes.length === 12)")
+            screen.click("#fit")
+            screen.until("ink.labels.some(({ text }) => text.startsWith('dip / azimuth'))")
+            labels, holes = screen.evaluate(
+                "(({ scene, drawn }) => [document.getElementById('ink').labels, drawn.map((well) => "
+                " Array.from({ length: 81 }, (_, i) => scene.project(scene.at(well, 1000 + i / 5), scene.rect)))])"
+                "(window.__wall.wells)"
+            )
+            assert screen.touching("ink") == []
+            screen.close()
+        beside = [one for one in labels if re.match(r"Bed|[bf]\d|shoe", one["text"])]
+        for one, hole in itertools.product(beside, holes):
+            for x, y in hole:
+                assert not (one["left"] < x < one["right"] and one["top"] < y < one["bottom"]), one["text"]
+        names = [one["text"][0] for one in beside]
+        assert names.count("B") >= 3
+        assert names.count("f") > names.count("b")
+
     def test_side_by_side_the_wells_have_one_scale_of_the_caliper_and_a_key(self, browser: Any) -> None:
         toolface, depth = np.tile(np.arange(16) * 22.5, 160), 1000.0 + np.arange(16 * 160) / 160
         walls = {}

@@ -5,11 +5,12 @@ import { Orbit } from './camera.js';
 import { casingsIn, shoeInWords } from './columns.js';
 import { anglesInWords, anglesOf, wallPoint } from './dips.js';
 import { Flat } from './flat.js';
-import { BOLD, fitting, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
+import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
 import { nameOf } from './path_maps.js';
 import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
 import { byId } from './dom.js';
+import { line } from './strokes.js';
 import { depthNumber, depthUnit, showDepth } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 import { captionLines, compass } from './wall_ink.js';
@@ -27,6 +28,9 @@ const NEAR = 16; // pixels from the axis of a well within which it is under the 
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
 const NAMES = 170; // pixels across, for the names beside the wells
 const FROM = [-0.5, -1, 0.35]; // direction from which the scene is seen at first, if another does not show wells and picks better
+
+// Words to be written beside a hole: each of `texts` is tried in turn.
+/** @typedef {{ well: import('./well.js').Well, depth: number, plane: Plane | null, side: 1 | -1, texts: string[], colour: string, rank: number }} Words */
 
 export class Scene {
   fitted = false;
@@ -351,35 +355,26 @@ export class Scene {
     const { wells } = this;
     const { gpu, drawn, view } = wells;
     const palette = PALETTES[view.theme];
-    /** @param {string[]} texts @param {number} width */
-    const within = (texts, width) => {
-      ink.font = SMALL_BOLD;
-      return fitting(ink, texts, width);
-    };
+    ink.canvas.strokes.push(...drawn.flatMap((well) => this.outline(well, rect)));
     for (const well of drawn) {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, (2.5 * well.store.bitRadius * wells.tube) / this.tall]), rect);
-      if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+      if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, near: ROWS });
     }
     this.letterOthers(ink, rect, palette);
-    if (wells.shown.box) this.letterBox(ink, rect, palette);
-    for (const well of drawn) {
-      const tops = this.topsOf(well);
-      /** @param {Plane} plane @param {1 | -1} side */
-      const beside = (plane, side) => {
-        const all = this.disc(well, plane).filter(({ wide }) => wide).map(({ edge }) => this.project(edge, rect)).filter((at) => at !== null);
-        return all.reduce((far, at) => (side * at[0] > side * far[0] ? at : far), this.project(this.at(well, plane.depth), rect) ?? [NaN, NaN]);
-      };
-      inRows(tops.map((top) => ({ top, at: this.project(this.at(well, top.start), rect) })), ({ top, at: [x, y] }, near) => {
-        const edge = top.plane ? beside(top.plane, 1)[0] : x;
-        return label(ink, within([topInWords(top, well.path), top.name], rect.left + rect.width - edge - 12), edge + 8, y, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near, yields: true });
-      });
-      inRows(this.picksOf(well, tops).map((plane) => ({ plane, at: this.project(this.at(well, plane.depth), rect) })), ({ plane, at: [, y] }, near) => label(ink, anglesOf(plane, well.path), beside(plane, -1)[0] - 6, y, { colour: palette.picks[plane.kind], halo: palette.paper, align: 'right', font: SMALL_BOLD, near, yields: true }));
-      for (const casing of casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1])) {
-        const at = this.project(this.at(well, casing[2] ?? 0), rect);
-        const side = at && this.project(plus(this.at(well, casing[2] ?? 0), wells.gpu.outside.axes[0], -0.6 * (casing[4] ?? 0) * wells.tube), rect);
-        if (side) label(ink, within([shoeInWords(casing, view.units), 'shoe'], side[0] - 10), side[0] - 6, side[1], { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL, near: [0, -15, 15].map((dy) => [0, dy]), yields: true });
-      }
-    }
+    compass(ink, gpu, rect, palette);
+    const all = drawn.map((well) => ({ well, tops: this.topsOf(well), picks: this.picksOf(well, this.topsOf(well)) }));
+    const picked = drawn.flatMap((well) => this.picksOf(well, []));
+    const planes = all.some(({ tops, picks }) => tops.length || picks.length);
+    const words = [...(picked.length ? [anglesInWords(drawn[0].path, picked)] : []), ...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
+    const lines = captionLines(ink, words, rect.width - 120); // beside the compass
+    lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
+    /** @type {Words[]} */
+    const asked = all.flatMap(({ well, tops, picks }) => [
+      ...tops.map((top) => ({ well, depth: top.start, plane: top.plane, side: /** @type {1} */ (1), texts: [topInWords(top, well.path), top.name], colour: palette.ink, rank: 0 })),
+      ...picks.map((plane) => ({ well, depth: plane.depth, plane, side: /** @type {-1} */ (-1), texts: [anglesOf(plane, well.path)], colour: palette.picks[plane.kind], rank: plane.kind === 'bed' ? 3 : 1 })),
+      ...casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1]).map((casing) => ({ well, depth: casing[2] ?? 0, plane: null, side: /** @type {-1} */ (-1), texts: [shoeInWords(casing, view.units), 'shoe'], colour: palette.ink, rank: 2 })),
+    ]);
+    this.write(ink, rect, asked, palette);
     drawn.slice(0, -1).forEach((well, i) => { // where a bed ends that one of two wells lacks is not known
       for (const { name } of wells.shown.fence ? wells.tops : []) {
         const { a, b, base, lacks } = joined(well, drawn[i + 1], name);
@@ -389,12 +384,57 @@ export class Scene {
         if (at) label(ink, '?', ...at, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
       }
     });
-    compass(ink, gpu, rect, palette);
-    const planes = drawn.some((well) => this.topsOf(well).length || this.picksOf(well, []).length);
-    const picked = drawn.flatMap((well) => this.picksOf(well, []));
-    const words = [...(picked.length ? [anglesInWords(drawn[0].path, picked)] : []), ...(planes ? discsInWords(wells.tube, this.tall === 1) : [`tube × ${wells.tube}`]), ...(this.tall > 1 ? [`heights × ${this.tall}: dips look steeper`] : []), ...(wells.note ? ['places not stated'] : [])];
-    const lines = captionLines(ink, words, rect.width - 120); // beside the compass
-    lines.forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * (lines.length - 1 - i), { colour: palette.ink, halo: palette.paper, align: 'right' }));
+    if (wells.shown.box) this.letterBox(ink, rect, palette);
+  }
+
+  // Return the axis and both edges of a hole in the picture, off which words keep.
+  /** @param {import('./well.js').Well} well @param {Rect} rect @returns {Stroke[]} */
+  outline(well, rect) {
+    const radius = scaled(this.wells.gpu.outside.axes[0], well.store.bitRadius * this.wells.tube);
+    const places = along(well.store.span, STEPS).map((depth) => this.at(well, depth));
+    const seen = places.flatMap((place) => {
+      const [at, edge] = [this.project(place, rect), this.project(plus(place, radius), rect)];
+      return at && edge ? [{ at, half: edge[0] - at[0] }] : [];
+    });
+    return seen.slice(1).flatMap(({ at: [x, y], half }, i) => {
+      const [left, top] = seen[i].at;
+      const long = Math.hypot(x - left, y - top) || 1;
+      return [-half, 0, half].map((by) => [(by * (top - y)) / long, (by * (x - left)) / long]).map(([dx, dy]) => /** @type {Stroke} */ ([left + dx, top + dy, x + dx, y + dy]));
+    });
+  }
+
+  // Write words beside the holes, those of most consequence (the least `rank`) first: at `side` of their disc or else at the other, in
+  // its row or one near it, to which a line then leads. Where they would touch a hole, its discs or other words, or stand in another
+  // order than their depths, they are left out.
+  /** @param {Ink} ink @param {Rect} rect @param {Words[]} asked @param {Palette} palette */
+  write(ink, rect, asked, palette) {
+    const { wells: { gpu: { outside: camera }, tube } } = this;
+    const places = asked.flatMap((one) => {
+      const { well, depth, plane } = one;
+      const place = this.at(well, depth);
+      const at = this.project(place, rect);
+      const ends = [-1, 1].map((way) => this.project(plus(place, camera.axes[0], way * 1.2 * well.store.bitRadius * tube), rect));
+      const rim = [...ends, ...(plane ? this.disc(well, plane).filter(({ wide }) => wide).map(({ edge }) => this.project(edge, rect)) : [])].filter((edge) => edge !== null);
+      return at ? [{ ...one, y: at[1], rim, from: Math.min(...rim.map(([x]) => x)), to: Math.max(...rim.map(([x]) => x)) }] : [];
+    });
+    ink.canvas.strokes.push(...places.flatMap(({ plane, rim }) => (plane ? rim.slice(3).map((edge, i) => /** @type {Stroke} */ ([...rim[i + 2], ...edge])) : [])));
+    /** @type {{ well: import('./well.js').Well, way: number, y: number, row: number }[]} */
+    const written = [];
+    for (const { well, y, from, to, side, texts, colour } of places.sort((one, other) => one.rank - other.rank || one.y - other.y)) {
+      for (const text of texts) {
+        ink.font = SMALL_BOLD;
+        const { width } = ink.measureText(text);
+        const spots = ROWS.flatMap(([, dy]) => [side, -side].map((way) => ({ way, x: way > 0 ? to + 7 : from - 7 - width, row: y + dy })))
+          .filter(({ way, x, row }) => x > rect.left + 4 && x + width < rect.left + rect.width - 4 && written.every((one) => one.well !== well || one.way !== way || (y - one.y) * (row - one.row) >= 0));
+        const place = spots.length && label(ink, text, 0, 0, { colour, halo: palette.paper, font: SMALL_BOLD, near: spots.map(({ x, row }) => [x, row]), yields: true, margin: 2 });
+        if (!place) continue;
+        const [x, row] = place;
+        const way = x > from ? 1 : -1;
+        written.push({ well, way, y, row });
+        if (row !== y) line(ink, way > 0 ? x - 2 : x + width + 2, row, way > 0 ? to : from, y, colour, [], 1); // it stands in another row
+        break;
+      }
+    }
   }
 
   // Write true depths at an upright edge of the box, and east and north along the floor.
@@ -415,7 +455,7 @@ export class Scene {
     const [edge] = ends.sort((a, b) => (this.project(a, rect)?.[0] ?? 0) - (this.project(b, rect)?.[0] ?? 0)); // the left one
     for (const tick of up) at([edge[0], edge[1], tick.at], depthNumber(-tick.place, units, 0), 'right', -6, 0);
     const head = this.project(edge, rect);
-    if (head) label(ink, `TVD ${depthUnit(units)}`, Math.max(52, head[0] - 6), head[1] - 8, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD });
+    if (head) label(ink, `TVD ${depthUnit(units)}`, Math.max(52, head[0] - 6), head[1] - 8, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
     const right = (this.project([front[0], y, low[2]], rect)?.[0] ?? 0) > (this.project([x, front[1], low[2]], rect)?.[0] ?? 0); // whether the north edge is at the right
     for (const tick of east) at([tick.at, front[1], low[2]], `E ${depthNumber(tick.place, units, 0)}`, right ? 'right' : 'left', right ? -2 : 2, 12);
     for (const tick of north) at([front[0], tick.at, low[2]], `N ${depthNumber(tick.place, units, 0)}`, right ? 'left' : 'right', right ? 6 : -6, 10);
@@ -434,19 +474,6 @@ export class Scene {
       }
     }
     return best;
-  }
-}
-
-// Write names from the top of the picture down, each beside its place, or above or below it, and none above that of a higher place.
-/** @template {{ at: Pair | null }} T @param {T[]} places @param {(place: T & { at: Pair }, near: Pair[]) => Pair | undefined} write */
-function inRows(places, write) {
-  let lowest = -Infinity;
-  const seen = /** @type {(T & { at: Pair })[]} */ (places.filter(({ at }) => at !== null));
-  for (const place of seen.sort((one, other) => one.at[1] - other.at[1])) {
-    const [, y] = place.at;
-    const near = /** @type {Pair[]} */ ([0, -15, 15, -30, 30].map((dy) => [0, dy])).filter(([, dy]) => y + dy > lowest);
-    const moved = near.length ? write(place, near) : undefined;
-    if (moved) lowest = y + moved[1];
   }
 }
 
