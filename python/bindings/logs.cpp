@@ -245,27 +245,28 @@ py::tuple find_zones(const std::vector<Column>& columns, const Column& sections,
                      const std::tuple<Column, int, double, double>& vertices, double bit_diameter,
                      const std::array<double, 8>& criteria,
                      const std::optional<std::tuple<Column, py::array_t<Index>>>& chained,
-                     const std::array<Column, 3>& samples, const std::optional<Arms>& arms,
+                     const std::array<Column, 3>& samples, const std::optional<Arms>& arms, bool diameters,
                      const SectionLibraries& libraries, int threads) {
     const auto& [radius, sectors, start_toolface, pitch] = vertices;
     const auto of = [&](std::size_t i) { return span_of(columns.at(i)); };
-    const MeasuredTurns turns{
-        .depth = of(0),
-        .coverage = of(1),
-        .sampled = of(2),
-        .mean = of(3),
-        .c1 = of(4),
-        .c1_toolface = of(5),
-        .c2 = of(6),
-        .least_diameter = of(7),
-        .unworn_diameter = of(8),
-        .unworn_0 = of(9),
-        .unworn_90 = of(10),
-        .lobes{{{of(11), of(12), of(13)}, {of(14), of(15), of(16)}}},
-        .sections = span_of(sections),
-        .uneven = span_of(uneven),
-        .samples = {
-            {span_of(samples[0]), span_of(samples[1])}, span_of(samples[2]), arms ? samples_of(*arms) : ArmSamples{}}};
+    const MeasuredTurns turns{.depth = of(0),
+                              .coverage = of(1),
+                              .sampled = of(2),
+                              .mean = of(3),
+                              .c1 = of(4),
+                              .c1_toolface = of(5),
+                              .c2 = of(6),
+                              .least_diameter = of(7),
+                              .unworn_diameter = of(8),
+                              .unworn_0 = of(9),
+                              .unworn_90 = of(10),
+                              .lobes{{{of(11), of(12), of(13)}, {of(14), of(15), of(16)}}},
+                              .sections = span_of(sections),
+                              .uneven = span_of(uneven),
+                              .samples = {{span_of(samples[0]), span_of(samples[1])},
+                                          span_of(samples[2]),
+                                          arms ? samples_of(*arms) : ArmSamples{},
+                                          diameters}};
     const auto& [elongation, washout, key_seat, undergauge, symmetry, opening_level, least_length, join] = criteria;
     ChainedTurns along;
     if (chained) {
@@ -322,7 +323,7 @@ void register_logs(py::module_& m) {
     m.def("arm_diameters", &arm_diameters, py::arg("samples"), py::arg("depth"), py::arg("height"), py::arg("reach"));
     m.def("find_zones", &find_zones, py::arg("columns"), py::arg("sections"), py::arg("uneven"), py::arg("vertices"),
           py::arg("bit_diameter"), py::arg("criteria"), py::arg("chained"), py::arg("samples"), py::arg("arms"),
-          py::arg("libraries"), py::arg("threads"));
+          py::arg("diameters"), py::arg("libraries"), py::arg("threads"));
     m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));

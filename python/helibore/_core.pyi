@@ -213,6 +213,7 @@ def find_zones(
     chained: tuple[Floats, Integers] | None,
     samples: tuple[Floats, Floats, Floats],
     arms: tuple[Floats, Floats, Floats, Integers, Floats] | None,
+    diameters: bool,
     libraries: SectionLibraries,
     threads: int,
 ) -> tuple[Integers8, list[_Zone]]: ...

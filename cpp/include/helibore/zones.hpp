@@ -63,7 +63,8 @@ std::vector<double> sparse_turns(std::span<const double> sections, double height
 struct ZoneSamples {
     SamplePlaces places;
     std::span<const double> radius;
-    ArmSamples arms{};  // the same samples in any order, with the arm of each; empty: the arms are not known
+    ArmSamples arms{};       // the same samples in any order, with the arm of each; empty: the arms are not known
+    bool diameters = false;  // each radius is half of a diameter, whose ends are not known; or the arms show it
 };
 
 // What the turns of a wall measure: one value for each turn, as in TurnLogs and UnwornTurns. Borrowed.

@@ -68,7 +68,7 @@ class Finder {
           sectors_(static_cast<std::size_t>(vertices.sectors)),
           height_(std::abs(vertices.pitch)),
           arms_(!turns.uneven.empty()),
-          diameters_(measures_diameters(turns.samples.arms)),
+          diameters_(turns.samples.diameters || measures_diameters(turns.samples.arms)),
           start_toolface_(wrap_toolface(vertices.start_toolface)) {
         if (!chained.kinds.empty()) sparse_ = sparse_turns(turns.sections, height_);
         for (std::size_t k = 0; k < sectors_; ++k)

@@ -89,10 +89,13 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     """Return the copy without images, and by name the rows of each image; rows never change after they arrive."""
     model = live.model
     walls = {
-        name: replace(wall._state(), path=model.path_of(name), images={}, made_from={"configuration": model.stretches})
+        name: replace(
+            state := wall._state(), path=model.path_of(name), images={},
+            made_from=state.made_from | {"configuration": model.stretches},
+        )
         for name, wall in live.layers.items()
         if len(wall)
-    }
+    }  # fmt: skip
     images = {name: ((*image.so_far()[1:], image.step), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
     of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,

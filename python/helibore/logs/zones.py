@@ -357,6 +357,7 @@ def classify(
         None if along is None else (along.kinds.ravel(), along.seen),
         _samples_of(wall),
         None if arms is None else columns_of_arms(arms),
+        getattr(wall, "made_from", {}).get("measures") == "diameter",
         section_libraries(logs.bit_diameter, criteria),
         thread_count(getattr(wall, "threads", None)),
     )

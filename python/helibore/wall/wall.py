@@ -407,8 +407,9 @@ class Wall(WallReads):
         """Further facts on the origin of the wall (files, runs, shifts), as JSON values: texts, numbers, lists, dicts.
 
         Archives and meshes carry them. Reports and logs of an archive read ``"preparation"``, the messages on readings
-        that were left out or corrected, and ``"echo"``, how sure the velocity of sound in the mud is. Assign a mapping
-        with texts as keys, which is copied; whether JSON can hold its values is checked where they are written.
+        that were left out or corrected, and ``"echo"``, how sure the velocity of sound in the mud is. Zones read
+        ``"measures"``: if it is "diameter", no sample shows on which side of its diameter the hole is wide. Assign a
+        mapping with texts as keys, which is copied; whether JSON can hold its values is checked where they are written.
         """
         return self._made_from
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from live_wires import (
@@ -19,6 +20,7 @@ from live_wires import (
 import helibore as hb
 from helibore import Live
 from helibore.live import live as live_module
+from helibore.live.frozen_copy import frozen_copy
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
 
@@ -155,3 +157,23 @@ def test_one_toolface_serves_several_sensors_each_at_its_angle():
         walls.append(live.wall)
     assert walls[0].sample_count == 800
     assert same_bits(*walls)
+
+
+@pytest.mark.parametrize("measures", ["radius", "diameter"])
+def test_a_breakout_by_diameters_is_no_surer_than_a_key_seat_leaves_it(measures):
+    """A diameter does not show on which side a slot is, though a tool that turns sees all around."""
+    depth = np.arange(100.0, 106.0, 0.01)[:600]
+    toolface = np.arange(600) * 97.0 % 360
+
+    def reach(turned):
+        return 108 + 60 * np.maximum(1 - ((toolface + turned - 70) % 360 - 180) ** 2 / 45**2, 0)
+
+    measured = reach(0.0) if measures == "radius" else reach(0.0) + reach(180.0)
+    rows = np.column_stack([toolface, depth, measured]).round(4)
+    live = Live(parse(SENT.replace("groups = 3", f'groups = 3, measures = "{measures}"')), clock=Clock())
+    for three in np.split(rows, 200):
+        live.receive("mwd", wits.frame([(5010 + k, f"{value:.4f}") for k, value in enumerate(three.ravel())]))
+    for wall in (live.wall, frozen_copy(live).walls["main"]):
+        zones = wall.zones().zones
+        assert {zone.kind for zone in zones} == {"key seat" if measures == "radius" else "breakout"}
+        assert all((zone.confidence > 0.8) == (measures == "radius") for zone in zones)

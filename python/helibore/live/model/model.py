@@ -391,6 +391,10 @@ class Model:
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
         for rows in self.images.values():
             rows.set_step(self.configuration.samples.image_step)
+        measures = {one.caliper.measures for one in self.configuration.sources.values() if one.caliper}
+        if "diameter" in measures:
+            for name in self._drawn_layers.values():
+                self.layers[name].made_from["measures"] = "diameter"
         calipers, bit = {}, self.configuration.wall["bit_diameter"] / 2
         for name, source in self.configuration.sources.items():
             if (caliper := source.caliper) is not None:
