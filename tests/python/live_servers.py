@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import socket
 
 import numpy as np
@@ -18,6 +19,10 @@ SOURCE = (
     '[source.mwd]\naddress = "ADDRESS"\nunits = "metric"\n'
     'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"] }\n'
 )
+
+
+CLAIMS: list[socket.socket] = []
+"""What holds the ports that `free_port` gave, until the process ends."""
 
 
 def configured(address, extra=""):
@@ -43,8 +48,21 @@ def payloads(folder):
 
 
 def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as s:
-        return s.getsockname()[1]
+    """Return a port that nobody but the caller gets: the system gives no such low port to others, nor do other workers.
+
+    A connection that the system gives its port could even meet itself, where nobody listens yet.
+    """
+    while True:
+        port = random.SystemRandom().randrange(10_000, 32_000)
+        claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # UDP: the port is left to a server
+        try:
+            claim.bind(("127.0.0.1", port))
+            socket.create_server(("127.0.0.1", port)).close()
+        except OSError:
+            claim.close()
+            continue
+        CLAIMS.append(claim)
+        return port
 
 
 def is_closed(link):
