@@ -41,7 +41,7 @@ class AlarmOutputs(contextlib.ExitStack):
         shown = {"page": self._page_shows(said), "metrics": line in metrics(server)}
         begins = f"alarm_{alarm.rule}: {alarm.text}"
         with contextlib.suppress(AssertionError):  # a thread writes stderr
-            wait(lambda: begins in self._log.getvalue(), lambda: begins, 0.001, 10.0)
+            wait(lambda: begins in self._log.getvalue(), lambda: begins, 0.001)
         shown["stderr"] = begins in self._log.getvalue()
         return [name for name, right in shown.items() if not right]
 
@@ -49,7 +49,7 @@ class AlarmOutputs(contextlib.ExitStack):
         if self.page is None:
             return text in self.window.scene.state.alarms
         with contextlib.suppress(AssertionError):
-            wait(lambda: text.casefold() in self._page_text(), lambda: text, 0.02, 10.0)
+            wait(lambda: text.casefold() in self._page_text(), lambda: text, 0.02)
         return text.casefold() in self._page_text()
 
     def _page_text(self) -> str:

@@ -600,19 +600,19 @@ def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch, answer, text
     assert texts(live)["alarm_not_delivered"] == f"webhook: {text}"
 
 
-def test_a_command_that_fails_says_why(monkeypatch, golden):
+def test_a_command_that_fails_says_why(monkeypatch, golden, tmp_path):
     monkeypatch.setattr(module, "WAITS", (0.0,))
-    fails = [
-        "sh",
-        "-c",
-        "sleep 6 & echo one >&2; echo 'no such\\033 host' >&2; echo >&2; exit 3",
-    ]  # sleep keeps stderr
+    keeps = f"sleep 1000 & echo $! >> {tmp_path}/pids"  # it keeps stderr, for longer than a test waits
+    fails = ["sh", "-c", f"{keeps}; echo one >&2; echo 'no such\\033 host' >&2; echo >&2; exit 3"]
     live, clock, alarms = alarmed(HOST + f"[alarms]\ncommand = {json.dumps(fails)}\n")
     alarms.start(thread)
     clock.step(61)
     alarms.check()
-    until(lambda: alarms.undelivered == 1, 5.0)
+    until(lambda: alarms.undelivered == 1)
     alarms.close()
+    for pid in (tmp_path / "pids").read_text().split():
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(int(pid), signal.SIGKILL)
     golden(texts(live)["alarm_not_delivered"])
 
 

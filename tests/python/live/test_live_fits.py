@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from live_servers import Running, configured, until
 from live_wires import WALL, Clock
+from patience import PATIENCE
 
 import helibore as hb
 from helibore import Live
@@ -471,7 +472,7 @@ def test_a_server_draws_on_while_a_fit_is_made(tmp_path, monkeypatch):
 
     def slow(*of):
         begun.set()
-        assert drawn.wait(60)
+        assert drawn.wait(PATIENCE)
         return real(*of)
 
     monkeypatch.setattr(fits, "choose", slow)
@@ -483,7 +484,7 @@ def test_a_server_draws_on_while_a_fit_is_made(tmp_path, monkeypatch):
         put = lambda part: running.server._queue.put("mwd", 1, part, journal.BYTES, threading.Event())  # noqa: E731
         for part in sent[:70]:
             put(part)
-        assert begun.wait(60)
+        assert begun.wait(PATIENCE)
         for part in sent[70:]:
             put(part)
         until(lambda: running.live.wall.sample_count == len(rows))

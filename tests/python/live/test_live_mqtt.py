@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from live_servers import Running, free_port, payloads, until
 from live_wires import WALL, Clock
+from patience import PATIENCE
 
 from helibore import Live
 from helibore.live.rules.configuration import parse
@@ -63,7 +64,7 @@ class Broker:
 
     def end(self, how=signal.SIGTERM) -> None:
         self._process.send_signal(how)
-        self._process.wait(10)
+        self._process.wait(PATIENCE)
 
     def sender(self):
         from paho.mqtt.enums import CallbackAPIVersion

@@ -645,25 +645,24 @@ def test_a_store_that_asks_to_wait_is_left_alone(store, tmp_path):
 
 @pytest.mark.parametrize("trouble", ["500", "compressed", "huge", "redirect", "error"])
 def test_a_refused_answer_is_asked_for_once_in_each_wait(store, tmp_path, monkeypatch, trouble):
-    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.1)
-    monkeypatch.setattr("helibore.live.kinds.witsml_stores.WitsmlStores.longest_wait", 60.0)
+    waits = []
+    monkeypatch.setattr(server_module, "back_off", lambda failures, _: waits.append(failures) or 0.01)
     store.rows, store.trouble = grown(50), [trouble] * 1000
     with Polled(store, tmp_path / "j") as polled:
-        until(lambda: len(store.questions) >= 4)  # waits of 0.05 to 0.1, 0.1 to 0.2, 0.2 to 0.4 s
-        asked = len(store.questions)
-        threading.Event().wait(0.3)
-        assert len(store.questions) <= asked + 1
+        until(lambda: len(waits) >= 5)
         assert trouble == "error" or not polled.server.states["store"].startswith("connected")
+    assert waits == list(range(1, len(waits) + 1)), "each longer than the one before"
+    assert len(store.questions) <= len(waits) + 1
 
 
 def test_a_trajectory_that_always_fails_does_not_begin_the_waits_anew(store, tmp_path, monkeypatch):
-    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.1)
-    monkeypatch.setattr("helibore.live.kinds.witsml_stores.WitsmlStores.longest_wait", 60.0)
+    waits = []
+    monkeypatch.setattr(server_module, "back_off", lambda failures, _: waits.append(failures) or 0.01)
     store.rows, store.trouble = grown(50), ["", "500"] * 1000
     with Polled(store, tmp_path / "j"):
-        until(lambda: len(store.questions) >= 8)
-        threading.Event().wait(0.3)
-        assert len(store.questions) <= 10
+        until(lambda: len(waits) >= 5)
+    assert waits == list(range(1, len(waits) + 1))
+    assert len(store.questions) <= 2 * len(waits) + 2  # of the last wait it may not have come to
 
 
 def by_time(rows):

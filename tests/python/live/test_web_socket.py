@@ -9,6 +9,7 @@ import threading
 import time
 
 import pytest
+from patience import PATIENCE, wait
 
 pytest.importorskip("websockets", reason="ETP needs websockets")
 
@@ -33,13 +34,13 @@ def served(handler, **settings):
 
 def connected(port, kind="ws", trust=None, most=1 << 20, headers=None):
     address = Address(kind, host="localhost", port=port, url=f"{kind}://localhost:{port}/a/b?c")
-    return contextlib.closing(WebSocket(address, "words", headers or {}, trust, most, 5.0))
+    return contextlib.closing(WebSocket(address, "words", headers or {}, trust, most, PATIENCE))
 
 
 def until_ended(link):
     """The messages up to the end, and the error that ends them."""
     came = []
-    for _ in range(100):
+    for _ in range(int(10 * PATIENCE)):
         try:
             if (message := link.receive(0.1)) is not None:
                 came.append(message)
@@ -59,7 +60,7 @@ def test_a_message_of_any_length_comes_back(size):
     with served(echo) as port, connected(port) as link:
         assert link.spoken == "words"
         link.send(message)
-        assert link.receive(5.0) == message
+        assert link.receive(PATIENCE) == message
 
 
 def test_messages_in_pieces_and_together_come_in_order():
@@ -128,7 +129,7 @@ def test_encrypted_messages_longer_than_a_record_come_whole():
         with connected(port, "wss", trust) as link:
             for size in (3, 200_000, 16_384, 5):
                 link.send(b"x" * size)
-            assert [len(link.receive(5.0)) for _ in range(4)] == [3, 200_000, 16_384, 5]
+            assert [len(link.receive(PATIENCE)) for _ in range(4)] == [3, 200_000, 16_384, 5]
 
 
 def test_a_redirect_is_not_followed():
@@ -147,13 +148,17 @@ def test_a_redirect_is_not_followed():
 
 
 def test_a_silent_server_is_pinged_and_kept_only_if_it_answers(monkeypatch):
-    monkeypatch.setattr(web_socket, "KEEP_ALIVE", 0.1)
     with served(echo) as port, connected(port) as link:
-        assert link.receive(1.0) is None
+        for _ in range(3):
+            link._heard -= 2 * web_socket.KEEP_ALIVE
+            assert link.receive(0.0) is None
+            assert link._pinged
+            wait(lambda: link.receive(0.01) or not link._pinged, lambda: "no answer", pause=0.0)
         link.send(b"here")
-        assert link.receive(5.0) == b"here"
+        assert link.receive(PATIENCE) == b"here"
+    monkeypatch.setattr(web_socket, "KEEP_ALIVE", 0.1)
     release = threading.Event()
-    with served(lambda link: (stop_reading(link), release.wait(10))) as port:
+    with served(lambda link: (stop_reading(link), release.wait(PATIENCE))) as port:
         with connected(port) as link:
             _, error = until_ended(link)
         release.set()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from live_servers import free_port
-from patience import PATIENCE
+from patience import PATIENCE, wait
 
 import helibore as hb
 from helibore import Live
@@ -134,17 +134,17 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
                                               "--speed", "0", *EM])  # fmt: skip
             assert played.exit_code == 0, played.output
             assert f"listen://127.0.0.1:{port}" in played.output
-            text, due = "", threading.Event()
-            for _ in range(200):
+
+            def drawn() -> float:
                 with (
                     suppress(urllib.error.URLError),  # the metrics are served only after the sources
                     urllib.request.urlopen(f"http://127.0.0.1:{metrics_port}/metrics?token=s3") as page,
                 ):
                     text = page.read().decode()
-                if text and "helibore_samples_drawn_total 0" not in text:
-                    break
-                due.wait(0.05)
-            due.wait(0.5)
+                    return float(re.search(r"^helibore_samples_drawn_total (\S+)", text, re.MULTILINE)[1])
+                return 0.0
+
+            wait(lambda: drawn() > 100, lambda: "no samples are drawn", pause=0.05)
         finally:
             running.terminate()
         out, err = running.communicate(timeout=PATIENCE)

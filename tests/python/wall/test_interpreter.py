@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from patience import PATIENCE
 
 HOLE = """
 import os, sys, threading, time
@@ -33,7 +34,7 @@ for _ in range(3):
     child = os.fork()
     if child == 0:
         import signal
-        signal.alarm(20)
+        signal.alarm(PATIENCE)
         rebuild()
         os._exit(0)
     assert os.waitpid(child, 0)[1] == 0
@@ -91,7 +92,7 @@ def handler(*_):
     inside = False
 signal.signal(signal.SIGALRM, handler)
 signal.setitimer(signal.ITIMER_REAL, 0.001, 0.001)
-end = time.monotonic() + 20
+end = time.monotonic() + PATIENCE
 while not all(answers.values()) and time.monotonic() < end: append(1)
 signal.setitimer(signal.ITIMER_REAL, 0)
 assert all(answers.values()), answers
@@ -102,7 +103,7 @@ begun.wait()
 for _ in range(3):
     child = os.fork()
     if child == 0:
-        signal.alarm(20)
+        signal.alarm(PATIENCE)
         try:
             append(10)
         except hb.InputError as error:
@@ -135,7 +136,8 @@ os._exit(0)
 
 
 def run(script: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True, timeout=120)
+    command = [sys.executable, "-W", "ignore", "-c", script.replace("PATIENCE", str(int(PATIENCE)))]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
 
 
 @pytest.mark.parametrize("script", [ENDS, REFUSED, FEEDS, WRITES], ids=["rebuilds", "refused", "feeds", "writes"])
