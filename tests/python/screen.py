@@ -46,24 +46,51 @@ FLAGS = [
     "--disable-gpu-compositing",  # software GL is slow: it draws WebGL, and nothing else of the page
 ]
 
-# Resolves when nothing has arrived and nothing was drawn for a tenth of a second. New values stop glowing at once.
-AT_REST = """(patience) => new Promise((done, failed) => {
-  const { app } = window.__wall;
-  const end = performance.now() + 1000 * patience;
-  let before = null;
-  let quiet = 0;
-  const look = () => {
-    const { renderer: { sharpening, loading }, figures: { pending } } = app;
-    const now = JSON.stringify([window.__wall.stats, pending, Boolean(sharpening)]);
-    if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.repaint(); }
-    quiet = now === before && !pending && !sharpening && !loading ? quiet + 1 : 0;
-    before = now;
-    if (quiet >= 4) done(true);
-    else if (performance.now() > end) failed(new Error(`never at rest: ${now}`));
-    else setTimeout(look, 25);
+# Counts the answers that the page has asked for and not read. Runs before the page's own scripts.
+COUNTED = """(() => {
+  window.__unread = 0;
+  const counted = (of, name) => {
+    const own = of[name];
+    of[name] = function (...more) {
+      window.__unread++;
+      return own.apply(this, more).finally(() => setTimeout(() => window.__unread--)); // after what waits for it
+    };
   };
-  look();
-})"""
+  counted(window, 'fetch');
+  for (const name of ['arrayBuffer', 'blob', 'json', 'text']) counted(Response.prototype, name);
+})()"""
+
+# Resolves when the server has sent all and it is drawn: when four looks find the same, each after an answer of the
+# server and a frame, so that a slow server, browser or machine has had its turn between them. New values stop glowing
+# at once.
+AT_REST = """async (patience) => {
+  const { app, wells } = window.__wall;
+  const end = performance.now() + 1000 * patience;
+  const served = location.protocol.startsWith('http');
+  const later = (of, ...more) => new Promise((done) => of(done, ...more));
+  const ofPage = ({ renderer: { sharpening, loading, timers: { unseen } }, figures: { pending } }) =>
+    [sharpening, loading, unseen, pending].map(Boolean);
+  for (let before = '', quiet = 0; quiet < 4; ) {
+    await later(setTimeout, 25);
+    if (served) await fetch(`healthz${location.search}`).then((answer) => answer.text()).catch(() => '');
+    await later(requestAnimationFrame);
+    await later(setTimeout);
+    const waits = [window.__unread > 0, ...(app ? ofPage(app) : [Boolean(wells.sharpening)])];
+    const now = JSON.stringify([waits, window.__wall.stats ?? wells.wells.map(({ connection }) => connection.stats)]);
+    if (app?.glow.ranges.length) { app.glow.ranges.length = 0; app.repaint(); }
+    quiet = now === before && !waits.includes(true) ? quiet + 1 : 0;
+    before = now;
+    if (performance.now() > end) throw new Error(`never at rest: ${now}`);
+  }
+}"""
+
+# Whether the zones have come, which are found after the wall is served; none are looked for in a gauge hole, or before
+# there is a turn.
+ZONES_FOUND = """(({ app }) => !app?.store || app.store.basis === 'gauge' || app.zonesTo !== null
+  || app.store.levels[0].size < app.store.levels[0].sectors)(window.__wall)"""
+
+FRAME = "new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
+READS = {"evaluate", "get_attribute", "inner_text", "input_value", "is_hidden", "is_visible", "locator"}
 
 UNDRAWN = """
 const gl = WebGL2RenderingContext.prototype;
@@ -127,30 +154,66 @@ class Chromium:
         self._folder.cleanup()
 
 
+def new_tab(browser: Any) -> Any:
+    """Return an empty page whose waits have the patience of all tests.
+
+    It is a tab of the first window: a window of its own costs half a second of processor time.
+    """
+    context = browser.contexts[0] if browser.contexts else browser.new_context()
+    context.set_default_timeout(1000 * PATIENCE)
+    return context.new_page()
+
+
 class Screen:
     """A page on a viewer, with what a test asks of it."""
 
+    now: float | None = None
+    """The time of a page whose clock stands; None: it goes."""
+
     def __init__(
-        self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1000, 640), drawn: bool = True
-    ) -> None:
-        """Open the page. Not ``drawn``: only text and ink are drawn, no WebGL."""
+        self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1000, 640), drawn: bool = True,
+        grows: bool = False,
+    ) -> None:  # fmt: skip
+        """Open the page, and wait until it shows all that the server has; of a wall that ``grows``, the first picture.
+
+        Not ``drawn``: only text and ink are drawn, no WebGL.
+        """
         self.requests: list[str] = []
         self.errors: list[str] = []
-        # A tab of the first window: a window of its own costs half a second of processor time.
-        context = browser.contexts[0] if browser.contexts else browser.new_context()
-        self.page = context.new_page()
+        self.page = new_tab(browser)
         self.page.set_viewport_size({"width": size[0], "height": size[1]})
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.requests.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.drawn = drawn
+        self.drawn, self.grows = drawn, grows
+        self.page.add_init_script(COUNTED)
+        if self.now is not None:
+            self.page.add_init_script(f"Date.now = () => {1000 * self.now}")
         if not drawn:
             self.page.add_init_script(UNDRAWN)
-        self.page.goto(url + address)
-        self.until("window.__wall?.ready")
+        self.goto(url + address)
 
     def __getattr__(self, name: str) -> Any:
+        """Return what the page has of this name. What is read is of the frame after the last input, not before it."""
+        if name in READS:
+            self.page.evaluate(FRAME)
         return getattr(self.page, name)
+
+    def goto(self, url: str) -> None:
+        """Open another page, and wait until it shows all that the server has."""
+        self.page.goto(url)
+        self._opened()
+
+    def reload(self) -> None:
+        """Open the page again, and wait until it shows all that the server has."""
+        self.page.reload()
+        self._opened()
+
+    def _opened(self) -> None:
+        self.until("window.__wall?.ready")
+        if not self.grows:
+            self.until(ZONES_FOUND)
+            self.settle()
 
     def until(self, condition: str) -> None:
         wait(

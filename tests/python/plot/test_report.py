@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from golden_texts import Golden
-from screen import NEEDS_BROWSER
+from screen import NEEDS_BROWSER, new_tab
 
 import helibore as hb
 from helibore.cli import cli
@@ -271,7 +271,8 @@ def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path, golden: 
 @pytest.mark.parametrize(("unit", "width"), [("in", 1200), ("mm", 1200), ("in", 390)])
 def test_no_table_is_wider_than_its_page(unit: str, width: int, wall: hb.Wall, browser: Any, tmp_path: Path) -> None:
     report(wall, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
-    shown = browser.new_page(viewport={"width": width, "height": 900})
+    shown = new_tab(browser)
+    shown.set_viewport_size({"width": width, "height": 900})
     shown.goto((tmp_path / "well.html").as_uri())
     over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"
     found = shown.evaluate(over)
@@ -290,7 +291,8 @@ def test_in_print_the_table_of_formations_is_no_wider_than_a4(
     with_tops = copy.copy(wall)
     with_tops.intervals = [hb.Interval("Lower Draupne Formation", 2001.0, 2011.0), hb.Interval("Heather", 2011.0)]
     report(with_tops, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
-    shown = browser.new_page(viewport={"width": round(210 / 25.4 * 96), "height": 1123})
+    shown = new_tab(browser)
+    shown.set_viewport_size({"width": round(210 / 25.4 * 96), "height": 1123})
     shown.emulate_media(media="print")
     shown.goto((tmp_path / "well.html").as_uri())
     over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"

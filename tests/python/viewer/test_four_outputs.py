@@ -165,7 +165,7 @@ def test_page_print_report_and_terminal_say_the_same_of_twenty_walls(
             if screen is None:
                 screen = Screen(browser, viewer.url, address, (1366, 768), drawn=False)
             else:
-                screen.page.goto(viewer.url + address)
+                screen.goto(viewer.url + address)
             screen.until("window.__wall?.ready && window.__wall.app.figures.summary")
             screen.settle()
             page = on_page(screen)

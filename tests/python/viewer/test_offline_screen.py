@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from locations import WEB
 from patience import PATIENCE
-from screen import NEEDS_BROWSER
+from screen import NEEDS_BROWSER, new_tab
 
 import helibore as hb
 
@@ -35,8 +35,7 @@ class Offline:
     """The page in a tab of its own, with what it asked for and what went wrong."""
 
     def __init__(self, browser: Any, address: str = "") -> None:
-        context = browser.contexts[0] if browser.contexts else browser.new_context()
-        self.page = context.new_page()
+        self.page = new_tab(browser)
         self.requests: list[str] = []
         self.errors: list[str] = []
         self.page.on("request", lambda request: self.requests.append(request.url))
@@ -111,6 +110,7 @@ def test_bad_input_gets_one_sentence_and_the_page_lives(offline: Offline, tmp_pa
 )
 def test_a_browser_that_lacks_something_gets_one_sentence(browser: Any, lost: str, said: str) -> None:
     page = browser.new_context().new_page()
+    page.set_default_timeout(1000 * PATIENCE)
     page.add_init_script(lost)
     page.goto(PAGE.as_uri())
     if "WebGL" in said:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from made_wall import MadeWall, curved_path, gamma_and_resistivity
 from patience import PATIENCE
-from screen import NEEDS_BROWSER, Screen
+from screen import NEEDS_BROWSER, Screen, new_tab
 
 import helibore as hb
 
@@ -89,11 +89,19 @@ def test_tiles_join_without_a_crack(browser: Any) -> None:
         screen.close()
 
 
+# From then on, what glows does not fade: a picture shows it as it was when it came, however long the picture takes.
+AS_THEY_COME = """(({ glow }) => {
+  const on = glow.on.bind(glow);
+  Object.assign(glow, { on: (tile) => on(tile, glow.ranges.at(-1)?.at), fade: () => false });
+})(window.__wall.app)"""
+
+
 def test_new_quads_glow_and_cost_few_bytes(shown: Any) -> None:
     shown.evaluate("window.__wall.app.selection.follow(true)")
     shown.until("window.__wall.app.zones.length")
     shown.settle()
     before = shown.stats()["bytes"]
+    shown.evaluate(AS_THEY_COME)
     shown.viewer.update(shown.wall.grow(1000))
     shown.until("window.__wall.stats.size === 41000")
     image = shown.pixels("image")[..., :3].astype(int)
@@ -166,7 +174,8 @@ def test_the_picture_comes_back_after_context_loss(shown: Any) -> None:
 
 
 def test_a_message_that_cannot_be_read_is_said_and_the_page_comes_right(browser: Any) -> None:
-    page = browser.new_page(viewport={"width": 1000, "height": 640})
+    page = new_tab(browser)
+    page.set_viewport_size({"width": 1000, "height": 640})
     sent = []
 
     def between(socket: Any) -> None:
@@ -201,7 +210,8 @@ def test_a_message_that_cannot_be_read_is_said_and_the_page_comes_right(browser:
 
 
 def test_a_browser_that_stores_nothing_shows_the_page(browser: Any) -> None:
-    page = browser.new_page(viewport={"width": 1000, "height": 640})
+    page = new_tab(browser)
+    page.set_viewport_size({"width": 1000, "height": 640})
     with hb.view(MadeWall(20_000)) as viewer:
         page.add_init_script(
             "for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name,"

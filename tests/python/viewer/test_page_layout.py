@@ -172,7 +172,6 @@ def test_the_colours_fold_where_the_panel_lacks_room_and_stay_as_chosen(browser:
     screen.keyboard.press("Enter")
     screen.wait_for_selector("#histogram")
     screen.reload()
-    screen.until("window.__wall?.ready")
     assert screen.is_visible("#histogram")
     screen.close()
 

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
 from patience import PATIENCE
-from screen import NEEDS_BROWSER, Screen
+from screen import NEEDS_BROWSER, Screen, new_tab
 
 import helibore as hb
 from helibore.cli.view_command import section_printer
@@ -1716,8 +1716,8 @@ def test_a_depth_is_typed_the_next_class_is_beside_the_cursor_and_a_scale_surviv
         screen.mouse.move(*place(screen, 130, 1052.0))
         screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'fault')")
         screen.until("window.__wall.addressed()")
-        screen.page.reload()
-        screen.until("window.__wall?.ready && document.getElementById('sectionLength').value === '1:200'")
+        screen.reload()
+        screen.until("document.getElementById('sectionLength').value === '1:200'")
         screen.close()
 
 
@@ -1946,7 +1946,7 @@ def test_a_flight_is_filmed(browser: Any, viewer: Any) -> None:
     body = Path(download.value.path()).read_bytes()
     assert body[:4] == b"\x1a\x45\xdf\xa3"
     pane = screen.evaluate("(({ left, width }) => ({ left, width }))(window.__wall.app.renderer.rects.wall)")
-    player = browser.contexts[0].new_page()  # an empty page: that of the viewer may load no video
+    player = new_tab(browser)  # an empty page: that of the viewer may load no video
     seconds, width, height, colours = player.evaluate(PLAYED, [base64.b64encode(body).decode(), pane])
     player.close()
     assert seconds > 0.2

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from made_wall import MadeWall, curved_path
-from screen import NEEDS_BROWSER, Screen
+from screen import NEEDS_BROWSER, Screen, new_tab
 
 import helibore as hb
 
@@ -137,7 +137,7 @@ def test_a_page_with_the_token_of_before_says_so_and_lives_again_with_the_right_
             "?token=..."
         )
         assert "lost" in screen.evaluate("document.getElementById('lamp').className")
-        other = browser.new_page()
+        other = new_tab(browser)
         assert other.goto(viewer.url.replace("second", "wrong")).status == 403
         assert other.inner_text("body").strip() == (
             "token: missing or wrong. Open the address that helibore printed, with its ?token=..."
