@@ -1850,6 +1850,26 @@ def test_tops_cross_all_tracks_and_the_plan_runs_beside_the_hole(browser: Any, t
         screen.close()
 
 
+@pytest.mark.parametrize(("length", "address", "shown"), [(45, "", 45), (120, "", 0), (45, "#sec=21", 21)])
+def test_a_short_saved_wall_is_whole_at_first_and_a_longer_one_at_its_worst_zone(
+    browser: Any, length: float, address: str, shown: float
+) -> None:
+    """At up to 1:500, unless the address states how long the section is."""
+    depth = np.arange(1000.0, 1000.0 + length, 0.01)
+    radius = np.where(abs(depth - 1035.0) < 1.0, 0.13, 0.108)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 3600 % 360, radius), bit_diameter=0.216, sectors=32)
+    with hb.view(wall) as viewer:
+        viewer.scene.update_state(ended=True)
+        screen = Screen(browser, viewer.url, address, (1366, 768), drawn=False)
+        screen.until("window.__wall.app.opened !== null")
+        screen.settle()
+        top, bottom = screen.evaluate("(({ view }) => [view.top, view.bottom])(window.__wall.app)")
+        screen.close()
+    usual = 768 * 0.0254 / 96 * 200  # metres of the height of the window at 1:200
+    assert bottom - top == pytest.approx(shown, abs=0.1) if shown else bottom - top < usual
+    assert top < 1034 < 1036 < bottom
+
+
 def test_casings_and_mud_logs_stand_in_tracks_and_the_shoe_in_the_hole(browser: Any) -> None:
     depth = np.arange(2000.0, 2040.0, 0.01)
     wall = hb.reconstruct(
@@ -1889,6 +1909,12 @@ def test_casings_and_mud_logs_stand_in_tracks_and_the_shoe_in_the_hole(browser: 
             screen.evaluate(f"window.__wall.app.view.choose({{ camera: '{camera}' }})")
             screen.settle()
             assert "shoe Surface, 244 mm" in screen.evaluate(texts)
+        rects = "window.__wall.app.renderer.rects"
+        for depth, tracks in ((2028.0, {"column1", "column2"}), (2012.0, {"column0", "column1", "column2"})):
+            screen.evaluate(f"window.__wall.app.view.centre({depth}, window.__wall.app.store)")
+            screen.settle()
+            found = {name for name in screen.evaluate(rects) if name.startswith("column")}
+            assert found == tracks, "casings have a track where one is in view; a track of a wrong unit stays"
         shown = screen.evaluate("(window.__wall.app.curves.choose('Lithology'), window.__wall.app.view.curves)")
         assert shown == ["Casing", "Shows"]
         screen.settle()

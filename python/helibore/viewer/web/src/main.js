@@ -35,6 +35,7 @@ import { bySeverity } from './zones.js';
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const USUAL_SCALE = 200; // of paper, at first
+const SHORT = 2.5; // sections of that scale; a saved wall no longer than this is shown whole at first, at up to 1:500
 const LIMITS = [0.5, 1, 0.25].map((inches) => inches / LENGTHS.in.scale); // of washouts, breakouts and undergauge hole, metres, by default
 // A name that may be broken into lines behind its underscores, as it may behind hyphens.
 /** @param {string} name */
@@ -69,6 +70,7 @@ export class App {
   meshes = false; // whether it writes meshes
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
+  most = 1; // sections that a saved wall is long, at most, to be shown whole
   sources = '';
   /** @type {string[]} */
   lost = []; // names of the sources that are not connected
@@ -197,6 +199,7 @@ export class App {
     if (!this.view.sized && !handshake.template?.scale && !this.view.rig) {
       this.selection.setLength(`1:${USUAL_SCALE}`);
       this.view.keepLength();
+      this.most = SHORT;
     }
     this.view.tab = tab;
     if (this.view.follow) this.follow();
@@ -258,7 +261,9 @@ export class App {
     const { span } = store;
     const picked = picking.kept.map(({ depth }) => depth).filter((depth) => depth >= span[0] && depth <= span[1]).sort((a, b) => a - b);
     const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : span;
-    const length = Math.min(view.length, span[1] - span[0]); // a short well fills the height
+    const whole = span[1] - span[0];
+    const length = whole > this.most * view.length ? view.length : whole; // a short well fills the height
+    this.most = 1;
     view.show(Math.max(span[0], Math.min((top + bottom - length) / 2, span[1] - length)), length, store);
     this.opened = view.top;
   }

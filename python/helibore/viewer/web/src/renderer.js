@@ -99,7 +99,13 @@ export class Renderer {
     const { app: { view, store, picking, curves, selection }, straight } = this;
     const dips = picking.shown && (picking.on || !PHONE.matches || store.basis === 'gauge'); // a phone has room for the caliper or the dips
     /** @type {[string, number][]} */
-    const columns = (store?.columns ?? []).flatMap((name, i) => (view.curves.includes(name) ? [[`column${i}`, store.placed.some((one) => one[3] === name && one[4]) ? 100 : 132]] : []));
+    const columns = (store?.columns ?? []).flatMap((name, i) => {
+      const pipes = store.placed.filter((one) => one[3] === name && one[4]);
+      /** @param {number[]} ends */
+      const within = ([top, bottom]) => pipes.some(([, start, stop]) => start < bottom && (stop ?? Infinity) > top);
+      const empty = within(store.span) && !within([view.top, view.bottom]); // casings have a track where one is in view
+      return view.curves.includes(name) && !empty ? [[`column${i}`, pipes.length ? 100 : 132]] : [];
+    });
     return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, columns, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: view.rig ? null : NARROW.matches ? view.tab : straight || view.tab !== '3d' ? null : '3d' };
   }
 
