@@ -12,6 +12,11 @@ import numpy as np
 from helibore.base.arrays import Floats
 
 
+def azimuth_text(degrees: float) -> str:
+    """Return a direction in whole degrees with three digits, as strikes and dip azimuths are written: 035."""
+    return f"{round(degrees) % 360:03d}"
+
+
 def wrapped(angle: Floats, period: float = 360.0) -> Floats:
     """Return angles in [0, ``period``), degrees; NaN stays NaN. If no angle must change, return ``angle`` itself."""
     if angle.size and angle.min() >= 0.0 and angle.max() < period:

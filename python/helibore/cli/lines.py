@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from helibore.base.angles import azimuth_text
 from helibore.base.units import BARREL, INCH, size_text
 from helibore.cli.quantities import facts_in
 
@@ -190,7 +191,8 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
         lines.append(("", f"{text}, of the whole wall"))
     azimuth = found.breakout_azimuth
     if math.isfinite(azimuth.mean):
-        lines.append(("", f"azimuth of breakouts {azimuth.mean:.0f} and {azimuth.mean + 180:.0f} deg from north"))
+        both = " and ".join(map(azimuth_text, (azimuth.mean, azimuth.mean + 180)))
+        lines.append(("", f"azimuth of breakouts {both} deg from north"))
     criteria = facts_in(zones.criteria.facts(), unit).items()
     if zones.fractures:
         lines.append(("", zones.left_out()))

@@ -19,6 +19,7 @@ from itertools import pairwise, repeat
 from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
+from helibore.base.angles import azimuth_text
 from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
 from helibore.base.harmless import in_html
@@ -225,7 +226,7 @@ def _summary(content: Content) -> str:
     if wall.basis == "azimuthal":
         axis, azimuth = summary.breakout_axis, summary.breakout_azimuth
         if math.isfinite(azimuth.mean):
-            axes = f"{azimuth.mean:.0f}° and {azimuth.mean + 180:.0f}° from {stated_north(content)}"
+            axes = f"{azimuth_text(azimuth.mean)}° and {azimuth_text(azimuth.mean + 180)}° from {stated_north(content)}"
             rows.append(("Breakout azimuth", f"{axes}, {azimuth.spread('zone', '°', 0)}"))
         if math.isfinite(axis.mean):
             axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"

@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from helibore.base.angles import azimuth_text
 from helibore.base.colors import DIP_TITLES, PICK_COLORS
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.logs.picks import NOTE, PLANES, Pick
 from helibore.plot.cells import in_depth_unit, number
 from helibore.plot.paper import FAINT, INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.picked import attitude, tadpole
+from helibore.plot.picked import attitude, interval_marks, tadpole
 from helibore.plot.print_header import north_of_picks, sentence, toolface_text
 from helibore.plot.tracks import SIDES
 
@@ -40,7 +41,7 @@ NETS, ROW, HEAD = 92.0, 3.6, 12.0
 """Heights of stereonet and rose, of a row and of the head of the table, millimetres."""
 ROOM = 1.25
 """Half the width of the axes of the stereonet and the rose, in radii."""
-WIDTHS = (30.0, 17.0, 16.0, 17.0, 20.0, 18.0, 18.0, 26.0, 28.0)
+WIDTHS = (30.0, 17.0, 16.0, 17.0, 20.0, 18.0, 22.0, 22.0, 28.0)
 """Millimetres of the columns of the table, for a table 190 mm wide."""
 
 
@@ -75,12 +76,11 @@ def table_row(pick: Pick, content: Content) -> list[str]:
         )
         own = [number(pick.apparent_dip, 1), number(pick.toolface, 0), aperture, fitted or "by hand"]
     axis = pick.axis(content.wall.path)
-    steep, aside = pick.dip_interval(content.wall.path)
-    angles = [number(dip, 1) or "–", number(axis if math.isnan(azimuth) else azimuth, 0) or "–"]
-    if math.isfinite(steep):  # without a true dip it is that of the apparent one
-        cells = own if math.isnan(dip) else angles
-        cells[0] += f" ± {math.ceil(steep)}"
-        cells[1] += " or any" if aside > 90 else f" ± {math.ceil(aside)}"
+    towards = axis if math.isnan(azimuth) else azimuth
+    angles = [number(dip, 1) or "–", "–" if math.isnan(towards) else azimuth_text(towards)]
+    cells = own if math.isnan(dip) else angles  # without a true dip the interval is that of the apparent one
+    for at, mark in enumerate(interval_marks(pick, content.wall.path)):
+        cells[at] += mark
     return [pick.kind, in_depth_unit(pick.depth, content), *angles, *own, pick.note or "–"]
 
 

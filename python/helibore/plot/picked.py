@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from helibore.base.angles import azimuth_text
 from helibore.base.arrays import Floats
 from helibore.base.colors import DIP_LINES, DIP_TITLES, PICK_COLORS
 from helibore.logs.picks import BREAKOUT, NOTE, PLANES, Pick
@@ -92,6 +93,21 @@ class DipTrack:
 def attitude(pick: Pick, path: Path | None) -> tuple[float, float]:
     """Return true dip and its azimuth; without a path, apparent dip and the toolface at which the plane is deepest."""
     return (pick.apparent_dip, pick.toolface) if path is None else pick.dip(path)
+
+
+def interval_marks(pick: Pick, path: Path | None) -> tuple[str, str]:
+    """Return the intervals of both angles of `attitude` as text, "" where they are not known."""
+    steep, aside = pick.dip_interval(path)
+    if math.isnan(steep):
+        return "", ""
+    return f" ± {math.ceil(steep)}", " or any" if aside > 90 else f" ± {math.ceil(aside)}"
+
+
+def angles_text(pick: Pick, path: Path | None) -> str:
+    """Return both angles of `attitude` as text, as the viewer's page has them: 68 ± 1 / 035 ± 2."""
+    dip, towards = attitude(pick, path)
+    steep, aside = interval_marks(pick, path)
+    return f"{dip:.0f}{steep} / {'–' if math.isnan(towards) else azimuth_text(towards)}{aside}"
 
 
 def radius_of(pick: Pick, bit_diameter: float) -> float:

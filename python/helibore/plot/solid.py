@@ -22,7 +22,7 @@ from helibore.logs.picks import PLANES
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines
 from helibore.plot.hatching import HATCH, NO_DATA, faded, rgb
 from helibore.plot.paper import FAINT, FONT, INK, LEAST, SMALL, USUAL, Sheet
-from helibore.plot.picked import DASHES, attitude, plane_depth, radius_of
+from helibore.plot.picked import DASHES, angles_text, plane_depth, radius_of
 from helibore.plot.shading import View, shade
 
 if TYPE_CHECKING:
@@ -198,11 +198,13 @@ def _draw_rings(axes: Axes, wall: Wall, one: Stretched, radius: Floats, view: Vi
 
     for pick in wall.picks:
         if pick.kind in PLANES:
-            dip, towards = attitude(pick, wall.path)
-            text = f"{dip:.0f}° apparent" if wall.path is None else f"{dip:.0f}°"
-            text += f" toward {towards:.0f}°" if wall.path is not None and math.isfinite(towards) else ""
             depth = plane_depth(pick, radius_of(pick, bit), toolface)
-            ring(depth, text, PICK_COLORS[pick.kind], dashes=DASHES.get(pick.kind, (None, None)))
+            ring(
+                depth,
+                angles_text(pick, wall.path) + ("" if wall.path else " apparent"),
+                PICK_COLORS[pick.kind],
+                dashes=DASHES.get(pick.kind, (None, None)),
+            )
     for each in wall.intervals:
         if not each.track and each.start is not None:
             ring(np.full(toolface.shape, each.start), each.name, TOP_COLOR, side=-1)

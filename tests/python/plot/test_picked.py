@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import operator
 from dataclasses import replace
 from itertools import pairwise
@@ -18,7 +19,7 @@ from plotted_wall import BIT, image_of, plotted_wall
 import helibore as hb
 from helibore import plot
 from helibore.base.colors import PICK_COLORS, TOP_COLOR
-from helibore.logs.picks import PLANES, Pick
+from helibore.logs.picks import PLANES, Pick, plane
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.hatching import HATCH_BYTES
 from helibore.plot.html_report import page
@@ -179,6 +180,19 @@ def words(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.findobj(Text)]
 
 
+def test_a_pick_has_the_same_angles_in_the_table_and_beside_the_body_as_on_the_page() -> None:
+    wall = plotted_wall()
+    wall.path = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2).path()
+    pick = replace(plane("fracture", 2010.0, 48.0, 35.0, wall.path), dip_sigma=0.4, toolface_sigma=0.9)
+    wall.picks = [pick]
+    steep, aside = (math.ceil(half) for half in pick.dip_interval(wall.path))
+    content = content_of(wall, Drawing(polar=(), scale=200))
+    assert table_row(pick, content)[2:4] == [f"48.0 ± {steep}", f"035 ± {aside}"]
+    figure = hb.plot.log(wall, polar=(), body=(2006.0, 2014.0))
+    beside = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert f"48 ± {steep} / 035 ± {aside}" in beside
+
+
 def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall: hb.Wall) -> None:
     """A table, the poles and the strikes; the picks outside the interval are not there."""
     survey = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2, north="grid")
@@ -190,7 +204,8 @@ def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall
     said = words(figures[-1])
     assert not {"Poles of planes", "Strikes"} & {text for figure in figures[:-1] for text in words(figure)}
     assert {"Poles of planes", "lower hemisphere, equal area", "Strikes", "N", "E", "S", "W", "bed: 1"} <= set(said)
-    assert {"2,010.00", "2,005.00", f"{dip:.1f}", f"{azimuth:.0f}", "60.0", "by hand"} <= set(said)
+    assert "Aperture, opening" in said, "no head is cut"
+    assert {"2,010.00", "2,005.00", f"{dip:.1f}", f"{azimuth:03.0f}", "60.0", "by hand"} <= set(said)
     assert "2,050.00" not in said
     assert any(text.startswith("Dip azimuths count from grid north.") for text in said)
     row = table_row(Pick(kind="fault", depth=2010.0, toolface=5.0, misfit=0.0042, points=6, note="open"), content)
@@ -301,7 +316,7 @@ def test_the_shaded_body_shows_planes_and_tops_at_their_depths(wall: hb.Wall) ->
     bodies = [axes for axes in figure.axes if axes.images and axes.get_ylabel().startswith("Depth")]
     assert len(bodies) == 2
     for body in bodies:
-        assert {text.get_text() for text in body.texts} == {"20° apparent", "Hugin"}, "what lies in the body"
+        assert {text.get_text() for text in body.texts} == {"20 / 090 apparent", "Hugin"}, "what lies in the body"
         top, plane = (
             next(line for line in body.lines if line.get_color() == color) for color in (TOP_COLOR, PICK_COLORS["bed"])
         )

@@ -8,6 +8,7 @@
 
 import { wrap360 } from './helix.js';
 import { loaded } from './late.js';
+import { showAzimuth } from './units.js';
 import { dot, minus, normalised, scaled } from './vectors.js';
 
 const DEG = 180 / Math.PI;
@@ -127,14 +128,14 @@ export function anglesOf(plane, path, sure = true) {
   const [angle, towards] = path.surveyed ? [dip, azimuth] : [apparent, deepest];
   const name = pick?.note ? `${pick.note.slice(0, LONGEST)} ` : '';
   const [steep, aside] = (sure && loaded()?.marksOf(plane, path)) || ['', ''];
-  return `${name}${angle.toFixed(0)}${steep} / ${Number.isFinite(towards) ? String(Math.round(towards) % 360).padStart(3, '0') : '–'}${aside}`;
+  return `${name}${angle.toFixed(0)}${steep} / ${showAzimuth(towards)}${aside}`;
 }
 
 // Return both azimuths of a breakout's axis as text, '' where they are not known.
 /** @param {Path} path @param {number} depth @param {number} [toolface] */
 export function axisOf(path, depth, toolface = NaN) {
   const azimuth = path.azimuth(depth, toolface) % 180;
-  return Number.isNaN(azimuth) ? '' : [azimuth, azimuth + 180].map((at) => `${at.toFixed(0).padStart(3, '0')}°`).join(' / ');
+  return Number.isNaN(azimuth) ? '' : [azimuth, azimuth + 180].map((at) => `${showAzimuth(at)}°`).join(' / ');
 }
 
 /** @param {Path} path */

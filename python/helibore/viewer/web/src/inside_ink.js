@@ -10,7 +10,7 @@ import { CUTS, leftEdge } from './path.js';
 import { drawLine, levelStroke, topInWords, topPlanes, topsOf } from './plane_rings.js';
 import { marksOf } from './sureness.js';
 import { turn } from './turns.js';
-import { LENGTHS, showAngle, showDepth } from './units.js';
+import { LENGTHS, showAngle, showAzimuth, showDepth, showLength } from './units.js';
 import { ticks } from './view.js';
 
 const FAINTEST = 14; // pixels: a smaller ring is not drawn
@@ -55,8 +55,8 @@ export function drawInsideInk(ink, look, gpu, planes, foot) {
     if (line === first) {
       const azimuth = path.surveyed && Number.isFinite(plane.azimuth);
       const [steep, towards] = marksOf(plane, path);
-      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)}${steep} toward ${showAngle(plane.azimuth, 0)}${towards}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)}${path.surveyed ? '' : steep} apparent dip`;
-      const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles].filter((text) => text !== undefined);
+      const angles = azimuth ? `dip ${showAngle(plane.dip, 0)}${steep} toward ${showAzimuth(plane.azimuth)}°${towards}${path.north && ` from ${path.north} north`}` : `${showAngle(plane.apparent, 0)}${path.surveyed ? '' : steep} apparent dip`;
+      const words = [name, plane.pick?.note || undefined, `${plane.kind} at ${showDepth(plane.depth, view.units)}`, angles, plane.pick?.aperture ? `aperture about ${showLength(plane.pick.aperture, view.units, view.units === 'mm' ? 0 : 2)}` : undefined].filter((text) => text !== undefined);
       const middle = (Math.min(...y) + Math.max(...y)) / 2;
       const far = BELOW * (Math.max(...y) - middle);
       const [below, lowest, above] = [middle + far + 16, rect.height - foot - 16 * words.length, middle - far - 16 * words.length];

@@ -5,7 +5,7 @@ import { byId, hide, say } from './dom.js';
 import { openingOf } from './opening.js';
 import { BREAKOUT, counted, FIELDS, isDepth, unitOfField } from './pick_fields.js';
 import { intervalsOf, marksOf } from './sureness.js';
-import { depthUnit, showAngle, showDepth, showLength } from './units.js';
+import { depthUnit, showAngle, showAzimuth, showDepth, showLength } from './units.js';
 
 const COARSE = 10; // degrees: a plane that is no surer was picked at too coarse a scale
 
@@ -80,6 +80,6 @@ function writeFields(pick, units) {
 export function inWords(plane, path) {
   const { dip, azimuth, apparent, deepest } = plane;
   const [steep, towards] = marksOf(plane, path);
-  const [angle, direction] = [`${showAngle(Number.isNaN(dip) ? apparent : dip)}${steep}`, `${showAngle(Number.isNaN(dip) ? deepest : azimuth, 0)}${towards}`];
+  const [angle, direction] = [`${showAngle(Number.isNaN(dip) ? apparent : dip)}${steep}`, `${showAzimuth(Number.isNaN(dip) ? deepest : azimuth)}°${towards}`];
   return Number.isNaN(dip) ? `apparent dip ${angle}, deepest at ${direction}` : `true dip ${angle} toward ${direction}   (apparent ${showAngle(apparent)})`;
 }

@@ -38,6 +38,10 @@ export const showAngle = (degrees, digits = 1) => {
   return `${text === (360).toFixed(digits) ? (0).toFixed(digits) : text}°`; // 359.96 is 0.0
 };
 
+// Return a direction in three digits, as strikes and dip azimuths are written: 035.
+/** @param {number} degrees */
+export const showAzimuth = (degrees) => (Number.isFinite(degrees) ? String(Math.round(degrees) % 360).padStart(3, '0') : '–');
+
 // Return a value with five significant digits, because a float32 holds no more with certainty.
 /** @param {number} value @param {string} [unit] */
 export const showValue = (value, unit = '') => {
