@@ -35,6 +35,7 @@ from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import ALIKE_ALONG, by_step
+from helibore.logs.kept_samples import columns_of_kept_samples, columns_of_samples
 from helibore.logs.late_columns import LateColumns
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
 from helibore.logs.log_columns import COLUMNS, SHAPE_SIGMA, WORN
@@ -888,24 +889,15 @@ def columns_of_arms(arms: Caliper) -> tuple[Floats, Floats, Floats, Integers, Fl
     return column("depth", arms.depth), column("toolface", arms.toolface), column("radius", arms.radius), arms.arm, time
 
 
-def columns_of_samples(wall: WallLike) -> tuple[Floats, ...]:
-    """Return depth, toolface and radius of the samples in the order of depth; () for a wall without them."""
-    columns: tuple[Floats, ...] = getattr(wall, "sample_columns", ())
-    if not columns and hasattr(wall, "samples"):
-        columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
-    return columns
-
-
 def _sections(wall: WallLike, turns: int) -> LateColumns:
     """Return `Logs.sections`; the columns of ``wall`` are taken now, so that a later append does not change them."""
     helix, K = whole_helix(wall), wall.settings.sectors
-    columns = columns_of_samples(wall)
+    columns = columns_of_kept_samples(wall)
     if not columns:
         radius = column("radius", wall.radius)[: turns * K]
         measure = partial(_core.vertex_sections, helix, radius)
     else:
-        places = [column(name, of) for name, of in zip(("depth", "toolface", "radius"), columns, strict=False)]
-        measure = partial(_core.turn_sections, helix, turns * K, *places)
+        measure = partial(_core.turn_sections, helix, turns * K, *columns)
     return sections_of(lambda: measure().reshape(turns, PARTS))
 
 

@@ -38,9 +38,10 @@ from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
 from helibore.logs.kept_logs import KeptLogs
+from helibore.logs.kept_samples import columns_of_kept_samples
 from helibore.logs.likely_kinds import section_libraries
 from helibore.logs.picks import Pick
-from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_arms, columns_of_samples, turn_logs
+from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, columns_of_arms, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria
 from helibore.samples.caliper import Caliper
 from helibore.samples.helix import WallLike
@@ -366,8 +367,8 @@ def classify(
 
 
 def _samples_of(wall: WallLike) -> tuple[Floats, Floats, Floats]:
-    found = columns_of_samples(wall) or (np.empty(0),) * 3
-    return column("depth", found[0]), column("toolface", found[1]), column("radius", found[2])
+    depth, toolface, radius = columns_of_kept_samples(wall) or (np.empty(0),) * 3
+    return depth, toolface, radius
 
 
 def _logs_of(wall: WallLike) -> Logs:

@@ -33,6 +33,7 @@ from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import ScalarCurve, curves_of
+from helibore.logs.kept_samples import columns_of_kept_samples
 from helibore.logs.passage import SURER, Hanging, hanging_at, passage_of, without_noise
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
@@ -380,8 +381,9 @@ class Feed:
         A wall is smoother than its samples: a slot as wide as the gaps between them may have half its depth. The second
         largest radius counts, since one may be a spike, over that of the hole beside the slot.
         """
-        depth, _, radius = (getattr(wall, "sample_columns", None) or (np.empty(0),) * 3)[:3]
+        depth, _, radius = columns_of_kept_samples(wall) or (np.empty(0),) * 3
         radii = np.sort(radius[slice(*np.searchsorted(depth, (zone.start, zone.stop)).tolist())])
+        radii = radii[np.isfinite(radii)]
         return float(radii[-2] - radii[radii.size // 4]) if radii.size > 1 else math.nan
 
     def _alarmed_zones(self, wall: Any, found: Classification, sigma: Floats | None) -> Iterator[dict[str, Any]]:
