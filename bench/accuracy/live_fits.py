@@ -1,4 +1,4 @@
-"""Measure what a live wall with ``estimator="automatic"`` loses, because it is fitted to its first 5, 10, 20 and 40 m.
+"""Measure what a live wall with ``estimator="automatic"`` loses: it is fitted to its first 2, 5, 10, 20 and 40 m.
 
     python -m bench.accuracy.live_fits [--class NAME ...] [--every N] [SEED]
 

@@ -103,7 +103,7 @@ class Settings(Declared, group="wall"):
         "it use a shape that continues along the hole. "
         "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
         "that are left out or, between arms, by the covariance. In a live configuration its walls begin with inverse "
-        "distance, and are fitted at 5, 10, 20 and 40 m; `Wall` must be given one of the three. None: 'automatic', "
+        "distance, and are fitted at 2, 5, 10, 20 and 40 m; `Wall` must be given one of the three. None: 'automatic', "
         "live too; 'inverse-distance' in `Wall`, in a well that is made in blocks, where a setting is stated that "
         "'automatic' would choose, such as ``neighbors`` or ``angular_scale``, and in a journal that was begun when "
         "it was the live default.",
