@@ -1681,6 +1681,23 @@ def within(label: dict[str, Any], track: dict[str, float]) -> bool:
     return track["left"] <= (label["left"] + label["right"]) / 2 <= track["left"] + track["width"]
 
 
+def test_a_curve_that_changes_just_after_it_was_asked_for_comes_though_nothing_more_arrives(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12&curves=DEQ", drawn=False)
+        curve = "(({ held, offered }) => [held.get('DEQ'), offered.find(({ name }) => name === 'DEQ')])"
+        curve += "(window.__wall.app.curves)"
+        screen.until(f"{curve}[0]")
+        before = screen.evaluate(f"{curve}[1].version")
+        ask = "(({ curves, glow }) => { glow.fade = () => false; curves.asked.set('DEQ', performance.now()); })"
+        viewer.update(wall.grow(6400))
+        screen.until("window.__wall.stats.size === 26400")
+        screen.evaluate(f"{ask}(window.__wall.app)")
+        screen.until(f"{curve}[1].version > {before}")
+        screen.until(f"{curve}[0].version === {curve}[1].version")
+        screen.close()
+
+
 def test_the_first_two_curves_of_files_are_shown_at_once_where_there_is_room(browser: Any) -> None:
     depth = np.arange(1000.0, 1031.0, 0.5)
     curves = [ScalarCurve(name, "", depth, depth - 1000, (0.0, 40.0)) for name in ("GR", "ROP", "RES")]

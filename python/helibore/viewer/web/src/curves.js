@@ -59,6 +59,8 @@ export class Curves {
   asked = new Map();
   /** @type {Arms | null} */
   byArms = null;
+  /** @type {number | undefined} */
+  again = undefined; // timer of a frame that asks for what was just asked for
 
   /** @param {App} app */
   constructor(app) {
@@ -128,11 +130,18 @@ export class Curves {
     return this.list();
   }
 
-  // Ask for the values of a curve, unless the page has them or has just asked.
+  // Ask for the values of a curve, unless the page has them. If it has just asked, it asks again later, also if nothing more
+  // arrives by then.
   /** @param {CurveOffer} curveOffer */
   ask({ name, version }) {
-    const { contents } = this.app;
-    if (this.held.get(name)?.version === version || performance.now() - (this.asked.get(name) ?? -AGAIN) < AGAIN) return;
+    const { contents, redraw } = this.app;
+    if (this.held.get(name)?.version === version) return;
+    const rest = (this.asked.get(name) ?? -AGAIN) + AGAIN - performance.now();
+    if (rest > 0) {
+      clearTimeout(this.again);
+      this.again = setTimeout(redraw, rest);
+      return;
+    }
     this.asked.set(name, performance.now());
     const query = new URLSearchParams(location.search);
     query.set('name', name);
