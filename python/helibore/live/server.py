@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import itertools
 import random
 import threading
 import time
@@ -282,9 +281,9 @@ class Server:
 
     def _checked(self, configuration: Configuration) -> list[Configuration]:
         """Return the configurations that follow by ``next``; refuse a change that a running journal cannot make."""
-        following = configuration.following()
-        for before, after in itertools.pairwise([configuration, *following]):
-            changed_to(after, before)
+        following, before = configuration.following(), self.live.configuration
+        for each in [configuration, *following]:
+            before = changed_to(each, before)
         return following
 
     def _change_if_due(self) -> None:

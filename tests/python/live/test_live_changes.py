@@ -142,6 +142,18 @@ def test_the_next_configuration_begins_at_its_hole_depth_or_time(tmp_path, by):
         assert 133.0 not in again.wall.samples.depth.tolist()
 
 
+def test_a_reload_may_state_in_its_next_file_the_estimator_that_its_own_file_leaves_out(tmp_path):
+    given = planned(tmp_path, "hole_depth = 130.0")
+    two = tmp_path / "two.toml"
+    with Live(given, tmp_path / "j") as live:
+        two.write_text(two.read_text().replace("[wall]", '[wall]\nestimator = "inverse-distance"'))
+        server = Server(live)
+        server.reconfigure(load(tmp_path / "one.toml"))
+        two.write_text(two.read_text().replace("inverse-distance", "automatic"))
+        with pytest.raises(ValueError, match=r"was begun with another configuration \(wall\.estimator"):
+            server.reconfigure(load(tmp_path / "one.toml"))
+
+
 @pytest.mark.parametrize(
     ("text", "place", "rule", "value"),
     [
