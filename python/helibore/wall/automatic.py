@@ -3,9 +3,10 @@
 A covariance is fitted to the samples (`helibore.wall.covariance`), or one to each of the stretches that are unlike
 (`helibore.wall.stretches`). Where a tool measures all around the hole, samples that are left out show the errors,
 whatever the hole is like: the choice is that of `helibore.wall.tuning`, unless near and far neighbours are certainly
-better. Between the arms of a tool, and between the samples of slow telemetry, there are no such samples. There near and
-far neighbours are taken, and the covariance gives the expected error at random places of the wall. Where no arm saw the
-wall, no error can be known (as for `Wall.sigma`); the share is stated.
+better. Between the arms of a tool, and between the samples of slow telemetry, there are no such samples: near and far
+neighbours are taken. The errors that are expected are those by which the chosen wall states its sigma: at samples left
+out, or, of near and far neighbours, by the covariance at random places of the wall. Where no arm saw the wall, no error
+can be known (as for `Wall.sigma`); the share is stated.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ from helibore.wall.covariance import (
     FEWEST,
     CovarianceFrom,
     Likely,
-    Term,
     content_seed,
     likely_covariances,
     noise_at,
@@ -36,9 +36,17 @@ from helibore.wall.covariance import (
     stretch_values,
     stretches_of,
 )
-from helibore.wall.estimates import MOST_BOX_DEPTH, Boxes, Columns, choose_left_out, estimate_left_out, in_depth_order
-from helibore.wall.near_and_far import Place, by_covariance, estimate_near_and_far, estimates_at
-from helibore.wall.spikes import find_spikes, has_spikes
+from helibore.wall.estimates import (
+    MOST_BOX_DEPTH,
+    Boxes,
+    Columns,
+    choose_left_out,
+    estimate_left_out,
+    estimate_places,
+    in_depth_order,
+)
+from helibore.wall.near_and_far import Place, estimate_near_and_far, estimates_at
+from helibore.wall.spikes import has_spikes
 from helibore.wall.stretches import find_stretches
 from helibore.wall.tuning import errors_and_gains, tuning_with
 from helibore.wall.uncertainty import shows_events, with_gaps_of_shape
@@ -50,7 +58,7 @@ MOST_OPEN = 0.4
 and below: of more, samples that are left out do not show the errors."""
 NEIGHBORS = 16
 """Neighbours of each of the three sets of near and far neighbours."""
-_PLACES = 200
+_PLACES = 100
 _TUNED, _LEFT_OUT = 2000, 1000
 _LONGEST = 60.0  # metres: the greatest distance that is found
 LABELS = {
@@ -142,13 +150,11 @@ def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> 
     full, seed = near_and_far(likely[:1] if stretches else likely, settings, stretches), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
-        if _open_share(boxes) <= MOST_OPEN:
-            return _by_samples_left_out(samples, rows, boxes, simple, full, seed, thread_count(threads))
+        near = _open_share(boxes) <= MOST_OPEN
+        if near and (cheaper := _as_good(samples, rows, boxes, simple, full, seed, thread_count(threads))):
+            return cheaper
     places, known = _known_places(samples, full)
-    of_simple = _root(_inverse_distance(samples, full, simple, places))
-    of_full = _root(estimates_at(samples, places, full)[:, 1])
-    errors = {"inverse-distance": of_simple, "near-and-far": of_full} if np.isfinite(of_simple + of_full) else {}
-    return Choice(full, errors, known)
+    return Choice(full, _expected(samples, places, full, simple), known)
 
 
 def _open_share(boxes: Boxes) -> float:
@@ -158,26 +164,27 @@ def _open_share(boxes: Boxes) -> float:
     return float(np.mean(beside >= MOST_BOX_DEPTH)) if beside.size else 1.0
 
 
-def _by_samples_left_out(
+def _as_good(
     samples: Columns, rows: Integers, boxes: Boxes, simple: Settings, full: Settings, seed: int, threads: int
-) -> Choice:
-    """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
+) -> Choice | None:
+    """Choose as `helibore.wall.tune` does; None if near and far neighbours are certainly better.
 
-    They are also chosen if they are robust: samples that are left out, which may be spikes too, do not show how far an
+    They also are if they are robust: samples that are left out, which may be spikes too, do not show how far an
     estimator follows spikes. The errors are those at samples that are left out with an empty box around them, less the
     variance of noise.
     """
-    if full.robust:  # a spike shows no error
-        good = ~find_spikes(samples, rows)[0]
-        rows, boxes = rows[good], (boxes[0][good], boxes[1][good])
+    if full.robust:
+        return None
     tuned = tuning_with(samples, simple, {}, _TUNED, threads, seed, _TUNED, may_continue=False).best.settings
     found = [estimate_left_out(samples, rows, of, boxes, threads).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
     off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
+    if gain[2] > CERTAIN:
+        return None
     names = ("inverse-distance", tuned.estimator, "near-and-far")
     noise = float(noise_at(full, samples[0][rows]).mean())
     expected = np.sqrt(np.maximum(off[[1, 0, 2]] ** 2 - noise, 0.01 * noise))
-    return Choice(full if full.robust or gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
+    return Choice(tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
 def near_and_far(likely: Likely, settings: Settings, stretches: Sequence[CovarianceFrom] = ()) -> Settings:
@@ -217,17 +224,15 @@ def _known_places(samples: Columns, settings: Settings) -> tuple[list[Place], fl
     return list(places), known.size / chosen.size
 
 
-def _inverse_distance(samples: Columns, full: Settings, simple: Settings, places: list[Place]) -> Floats:
-    """Return the expected squares of the errors of inverse distance at places, by the covariances of ``full``."""
-    scale, squares = simple.angular_scale, np.zeros(len(places))
-    by = replace(full, neighbors=simple.neighbors, max_distance=simple.max_distance)
-    for share, there, among in by_covariance(samples, places, by):
-        some = [places[i] for i in there.tolist()]
-        nearest = among.nearest(some, Term(1.0, 1.0 / scale, 1.0), simple.neighbors)
-        for i, place, rows in zip(there.tolist(), some, nearest, strict=True):
-            across, along = among.across(samples[1][rows], place[1]), samples[0][rows] - place[0]
-            distance = np.maximum(np.hypot(scale * across, along), 1e-9)
-            weights = (distance.min(initial=1.0) / distance) ** simple.power
-            error = among.square_error(among.of_rows(rows), weights / weights.sum(), place) if rows.size else np.nan
-            squares[i] += share * error
-    return squares
+def _expected(samples: Columns, places: list[Place], full: Settings, simple: Settings) -> dict[str, float]:
+    """Return the expected errors at places by the covariances of ``full``, metres; {} if there is no place.
+
+    Near and far neighbours give the mean and the variance of the radius there; another estimator is also off by its
+    difference from the mean.
+    """
+    if not places:
+        return {}
+    mean, variance = estimates_at(samples, places, full).T
+    other = estimate_places(samples, places, simple)
+    found = {"inverse-distance": _root(variance + (other - mean) ** 2), "near-and-far": _root(variance)}
+    return found if np.isfinite(list(found.values())).all() else {}

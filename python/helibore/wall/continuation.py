@@ -71,9 +71,15 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
 
 
 def leaves_most_unmeasured(samples: Columns, settings: Settings) -> bool:
-    """Return whether most of each turn has no sample within ``gap_reach`` and half the ``largest_gap``."""
-    _, gaps = spread_gaps(samples, settings, settings.gap_reach)
-    return bool(np.mean(gaps > settings.largest_gap) > MOST_UNMEASURED)
+    """Return whether most of each turn has no sample within ``gap_reach`` and half the ``largest_gap``.
+
+    Turns without any sample do not count: a hole may be logged in two parts.
+    """
+    helix, gaps = spread_gaps(samples, settings, settings.gap_reach)
+    at = helix.depth(np.arange(gaps.size))
+    first, last = (np.searchsorted(samples[0], at + sign * settings.gap_reach) for sign in (-1.0, 1.0))
+    open_ = gaps[last > first] > settings.largest_gap
+    return not open_.size or bool(np.mean(open_) > MOST_UNMEASURED)
 
 
 def spread_gaps(samples: Columns, settings: Settings, reach: float) -> tuple[Helix, Floats]:

@@ -43,7 +43,6 @@ _ONE_BLOCK = 300
 _BLOCKS, BLOCK_SIZE = 12, 64
 """Blocks of each of six kinds, and samples of a block."""
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
-_ROOT3 = float(np.sqrt(3.0))
 _PLACES = 100
 _SAME_ARMS = 0.7  # mean cosine
 _SAME_DEPTH = 0.5  # metres
@@ -79,13 +78,13 @@ class Covariance:
     def at(self, turn: Floats, along: Floats) -> Floats:
         """Return the covariance of two radii, m^2; ``turn`` (deg) and ``along`` (m) are differences of position."""
         turned = np.radians(turn - self.turn * along)
+        chord = (2.0 * self.radius * np.sin(turned / 2.0)) ** 2
+        length = along**2
         total = np.zeros(np.broadcast(turn, along).shape)
-        chord = 2.0 * self.radius * np.sin(turned / 2.0)
         for number, term in enumerate(self.terms):
-            across = self.radius * np.sin(turned) if number == 1 and self.half_turns else chord
-            square = (across / term.around) ** 2 + (along / term.along) ** 2
-            shape = np.exp(-0.5 * square) if number == 0 and self.smooth else _matern(np.sqrt(square))
-            total += term.variance * shape
+            across = (self.radius * np.sin(turned)) ** 2 if number == 1 and self.half_turns else chord
+            square = across / term.around**2 + length / term.along**2
+            total += term.variance * (np.exp(-0.5 * square) if number == 0 and self.smooth else _matern(square))
         return total
 
     @property
@@ -120,8 +119,9 @@ Likely = list[tuple[Covariance, float]]
 """Covariances, each with its share of the probability, the greatest first."""
 
 
-def _matern(h: Floats) -> Floats:
-    found: Floats = (1.0 + _ROOT3 * h) * np.exp(-_ROOT3 * h)
+def _matern(square: Floats) -> Floats:
+    h = np.sqrt(3.0 * square)
+    found: Floats = (1.0 + h) * np.exp(-h)
     return found
 
 

@@ -18,6 +18,7 @@ from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, distinct
 from helibore.base.errors import InputError
+from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 
@@ -189,6 +190,14 @@ def estimate_left_out(
         settings = replace(settings, max_iterations=1)
     points = (depth[rows], toolface[rows], trial, *(box or (nothing, nothing)))
     return Estimates(*_core.estimate_at(in_core(samples), points, vars(settings), threads, nuggets))
+
+
+def estimate_places(samples: Columns, places: Sequence[tuple[float, float]], settings: Settings) -> Floats:
+    """Return the radius at places (depth in metres, toolface in degrees), m; NaN if no sample is in reach."""
+    depth, toolface = np.array(places).T.copy()
+    trial, none = np.full(depth.size, settings.bit_diameter / 2), np.full(depth.size, -1.0)
+    points = (depth, toolface, trial, none, none)
+    return Estimates(*_core.estimate_at(in_core(samples), points, vars(settings), thread_count(None), ())).radius
 
 
 def spread(count: int, most: int) -> Integers:

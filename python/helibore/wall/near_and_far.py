@@ -67,6 +67,7 @@ class Places:
         self._wanted = (3 * count + 1) // 2 if noisy else count
         self._height = self._share * self._long.along
         self._cells = (-1, -1), np.empty(0, np.int64), np.empty(0, np.int64)  # what _by_cells() returned last
+        self._taken = np.zeros(samples[0].size, dtype=bool)
 
     def nearest(self, places: Sequence[Place], term: Term, count: int, boxes: Boxes | None = None) -> list[Integers]:
         """Return the rows of the nearest samples of each place by the lengths of a term, outside its box."""
@@ -134,8 +135,9 @@ class Places:
         half = min(self.max_distance, 1.5 * self._long.along + max(box[0], 0.0))
         first, last = np.floor((place[0] - half) / self._height), np.ceil((place[0] + half) / self._height)
         rows, cell = self._by_cells(first * self._height, last * self._height)
-        free = self._outside(rows, place, box)
-        free[np.isin(rows, near)] = False
+        self._taken[near] = True
+        free = self._outside(rows, place, box) & ~self._taken[rows]
+        self._taken[near] = False
         rows, cell = rows[free], cell[free]
         starts = np.flatnonzero(np.diff(cell, prepend=-1))
         stretch = stretch_of(self._stretches, depth[rows])  # a mean of unlike stretches is like neither
@@ -220,11 +222,6 @@ class Places:
         off = np.maximum(of.radius - high, low - of.radius) > _MOST_OFF * np.sqrt(self.covariance.noise)
         judged = single & (np.isfinite(square).sum(axis=-1) >= _BESIDE) & off
         return np.where(judged, (of.radius - 0.5 * (low + high)) ** 2, 0.0)
-
-    def square_error(self, of: Neighbours, weights: Floats, place: Place) -> float:
-        """Return the expected square of the error of a weighted mean of neighbours at a place, m^2."""
-        expected = weights @ self.between(of) @ weights - 2.0 * weights @ self.toward(of, place)
-        return max(float(self.covariance.variance + expected), 0.0)
 
 
 def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, box: Boxes | None = None) -> Floats:
