@@ -38,8 +38,8 @@ struct ArmDiameters {
 // length.
 ArmDiameters arm_diameters(const ArmSamples& samples, std::span<const double> depth, double height);
 
-// Whether the tool measured diameters: wherever two samples lie opposite each other, their radii are equal. False if it
-// measures fewer than 2 or more than few_arms of them.
+// Whether the tool measured diameters: the radii of two opposite samples are equal, or differ by the same amount all
+// along the hole, where biases of the ends were subtracted. False if it measures fewer than 2 or more than few_arms.
 bool measures_diameters(const ArmSamples& samples);
 
 }  // namespace helibore

@@ -22,6 +22,7 @@ constexpr double same_axis = 1e-3;           // degrees, to which toolfaces are 
 constexpr std::int64_t half_turn = 180'000;  // in these steps
 constexpr std::int64_t nearly_opposite = 2;  // steps
 constexpr double alike = 1e-2;               // degrees by which axes must differ for one to be nearer
+constexpr double rounding = 1e-9;            // metres
 constexpr double wide = 1e-3;                // share of a turn that readings cover, below which they have no mean
 
 struct Place {
@@ -254,7 +255,13 @@ bool measures_diameters(const ArmSamples& samples) {
     const StandardArithmetic standard;
     require_lengths(samples);
     const std::vector<Pair> pairs = pairs_of(readings_of(samples));
-    return std::ranges::all_of(pairs, [](const Pair& pair) { return pair.uneven == 0.0; }) && !few_names(pairs).empty();
+    const std::vector<Index> names = few_names(pairs);
+    return !names.empty() && std::ranges::all_of(names, [&](Index name) {
+        const auto of_arm = [&](const Pair& pair) { return pair.arm == name; };
+        const double apart = std::ranges::find_if(pairs, of_arm)->uneven;
+        return std::ranges::all_of(
+            pairs, [&](const Pair& pair) { return !of_arm(pair) || std::abs(pair.uneven - apart) <= rounding; });
+    });
 }
 
 }  // namespace helibore

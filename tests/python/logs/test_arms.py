@@ -214,7 +214,8 @@ def worn(depth: np.ndarray, toolface: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("shape", [oval, slotted, worn])
-def test_diameters_do_not_show_on_which_side_a_hole_is_wide_and_radii_do(shape: Any) -> None:
+@pytest.mark.parametrize("biases", [None, (3e-4, 0.0, -4e-4, 1e-4)], ids=["as they are", "less biases"])
+def test_diameters_do_not_show_on_which_side_a_hole_is_wide_and_radii_do(shape: Any, biases: Any) -> None:
     rng = np.random.default_rng(5)
     depth = np.repeat(np.arange(0, 60, 0.15), 4)
     arm = np.tile([0, 1, 2, 3], depth.size // 4)
@@ -223,7 +224,8 @@ def test_diameters_do_not_show_on_which_side_a_hole_is_wide_and_radii_do(shape: 
     rows = radius.reshape(-1, 4)
     half = (rows + np.roll(rows, 2, axis=1)).ravel() / 2
     of_radii, of_diameters = (
-        hb.reconstruct(hb.Caliper(depth, toolface, of, arm=arm), bit_diameter=BIT).zones() for of in (radius, half)
+        hb.reconstruct(hb.Caliper(depth, toolface, of, arm=arm), bit_diameter=BIT, arm_biases=biases).zones()
+        for of in (radius, half)
     )
     assert {zone.kind for zone in of_diameters.zones} == ({"breakout"} if shape is worn else set())
     assert all(0.5 <= zone.confidence < 0.8 for zone in of_diameters.zones)  # it may be a key seat
