@@ -554,6 +554,24 @@ def test_at_rest_each_way_names_its_body_and_each_place_is_named_once(browser: A
         screen.close()
 
 
+@pytest.mark.parametrize("size", [(1366, 768), (820, 1180)])
+def test_short_names_are_as_large_as_rows_and_screen_let_them(browser: Any, size: tuple[int, int]) -> None:
+    free = {"clearance": 0.004, "low": 0.002, "high": 0.006, "depth": 1010.0, "at_most": False, "short": 0.0}
+    bodies = {"bit": 0.0, "NB stab": 1.0, "stab 2": 9.0, "stab 3": 18.0}
+    string = {"bodies": [[0.2127, 1.0, at] for at in bodies.values()], "why": "", "bit": 1028.0}
+    string["hanging"] = [free | {"name": name} for name in bodies]
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(bit_depth=1028.0, hole_depth=1040.0, newest=time.time(), string=string)
+        screen = Screen(browser, viewer.url, "#rig=1", size, drawn=False)
+        screen.until("document.querySelectorAll('#rigBodies .name').length === 4")
+        screen.settle()
+        names = "[...document.querySelectorAll('#rigWorstHead, #rigBodies .name')]"
+        sizes = screen.evaluate(f"{names}.map((at) => parseFloat(getComputedStyle(at).fontSize))")
+        assert min(sizes) > 18, "pixels"
+        assert screen.evaluate(CROSSED) == []
+        screen.close()
+
+
 @pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
 def test_rows_of_a_long_string_of_which_most_hangs_above_the_wall_do_not_cross(
     browser: Any, size: tuple[int, int]
@@ -955,6 +973,23 @@ def test_no_worst_place_is_said_only_of_hole_that_was_seen(browser: Any) -> None
         screen.until("window.__wall.app.bit === 2090")
         screen.settle()
         assert screen.inner_text("#rigWorstMore") == "too little seen", "no hole near the bit"
+        screen.close()
+
+
+def test_no_place_and_no_clearance_is_known_of_a_string_whose_bit_has_no_depth(browser: Any) -> None:
+    """Hole that is tight for a stabiliser alone is no zone: without a bit depth, nobody looks for it."""
+    depth = np.arange(2000.0, 2024.0, 0.002)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, np.full(depth.size, 0.1085)), bit_diameter=0.216)
+    with hb.view(wall) as viewer:
+        viewer.scene.update_state(newest=time.time(), received=time.time(), zones=(), zones_to=2024.0)
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('none')")
+        viewer.scene.update_state(string={"bodies": [[0.216, 0.3, 0.0], [0.213, 1.0, 9.0]], "why": ""})
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('not known')")
+        lacks = screen.inner_text("#rigBodies"), screen.inner_text("#rigWorstMore"), screen.inner_text("#rigBitMore")
+        assert lacks == ("Clearances not known: no bit depth received", *["no bit depth received"] * 2)
+        viewer.scene.update_state(bit_depth=2024.0, hole_depth=2024.0, received=time.time())
+        screen.until("document.getElementById('rigWorst').textContent.startsWith('none')")
         screen.close()
 
 

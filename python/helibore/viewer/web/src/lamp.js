@@ -10,7 +10,7 @@ const SLACK = 3; // seconds by which what a source sends may be later than usual
 const DRY = 10; // seconds without a radius, at least
 const [DRILLED, BLIND] = [0.1, 2]; // metres of hole drilled meanwhile: on bottom, and enough for the string to meet what nobody saw
 const LATE = 60; // seconds without a sample
-export const NO_BIT = 'no new bit depth';
+export const [NO_BIT, NEVER_BIT] = ['no new bit depth', 'no bit depth received'];
 const NOT_COMING = /^(no |lost|refused|missing|behind|disk|sync|journal|memory|descriptors|failure)/; // other alarms are about the hole, the rig's channels, or data that came
 const NO_DATA = /^(no data|lost)/; // alarms of a source that sends nothing
 const DOUBTS = /^(depth s|hole falls|another hole)|depth refused/; // the alarms after which bit and wall may not lie at one depth
@@ -71,9 +71,10 @@ export const isSilent = (of) => silenceOf(of) > LATE;
 export const isServed = ({ status }) => /^(live|waiting)$/.test(status);
 
 // Return the alarm after which bit and wall may not lie at one depth, in few words; '' if there is none. That depths were refused counts
-// until one is used again.
+// until one is used again. Nor is it known where a string hangs of whose bit the rig has sent no depth.
 /** @param {App} app */
 export function doubtOf(app) {
+  if (app.string && app.bitDepth === null && app.received !== null) return NEVER_BIT;
   const found = app.alarms.feed.find((one) => DOUBTS.test(one));
   return found && !(/refused/.test(found) && silenceOf(app) < SLACK) ? shortOf(found) : '';
 }

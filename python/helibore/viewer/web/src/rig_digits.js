@@ -3,7 +3,7 @@
 
 import { shortOf } from './alarms.js';
 import { byId, hide, say } from './dom.js';
-import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, NO_BIT, SIGNS, silenceOf } from './lamp.js';
+import { ageOf, doubtOf, isDry, isServed, isStale, lampWords, LIFTED, NEVER_BIT, NO_BIT, SIGNS, silenceOf } from './lamp.js';
 import { RECENT, recent } from './rig.js';
 import { BY, HOLDS, holds, isPassed, LATE, leftTo, NOW, placesAhead, reach, shareSeen, stabilisers, tightBeyond, tightOn, TRUENESS, UNSEEN, unseenAhead, WAYS, widest } from './rig_places.js';
 import { doesNotPass } from './string.js';
@@ -22,6 +22,7 @@ const WIDE = 0.05; // metres: a bound on the clearance that is wider says nothin
 const noBit = (app) => doubtOf(app) || NO_BIT;
 const MAY = 'may stick';
 const NAMED = 3; // tight places of one text
+const A_LINE = 12; // letters of a name in a line
 const MARGIN = 40; // pixels of a cell that its texts leave free
 
 // Write text in a cell: the line above the digits, the digits, their unit, the line below. Texts that are too wide become narrower, but keep their height.
@@ -58,7 +59,7 @@ export function writeDigits(app) {
   const off = bit === null || hole === null ? NaN : hole - bit;
   const lifted = off > LIFTED && `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}`;
   const moves = isStale(app) ? '' : ahead?.moving ? `, going ${ahead.moving}` : off <= LIFTED ? ', on bottom' : lifted && ahead?.hangs ? ', at rest' : '';
-  cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? 'no bit depth received' : lifted || trueDepth);
+  cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? NEVER_BIT : lifted || trueDepth);
   writeData(app);
   writeWorst(app);
   hide(!app.string, 'rigBodies');
@@ -304,6 +305,8 @@ function writeBodies(app) {
   if (at.dataset.text === text) return;
   at.dataset.text = text;
   at.style.setProperty('--rows', String(rows.length || 1));
+  const longest = Math.max(0, ...rows.map(({ name, tag }) => name.length + tag.length));
+  at.style.setProperty('--lines', String(Math.min(3, Math.ceil(longest / A_LINE) || 1))); // of a name
   /** @param {string} tag @param {string} textContent @param {string} [className] */
   const make = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
   const heads = ['', 'Clearance now', ...WAYS.map((way) => `${way}: sticks in`)].map((one) => make('h2', one, WAYS.some((way) => one.startsWith(way) && (ahead?.moving || way) === way) ? 'on' : '')); // at rest, both ways
