@@ -224,7 +224,7 @@ class Screen:
 
     def point_at(self, across: float = 0.5, down: float = 0.5) -> None:
         """Move the pointer over the image track, shares of its width and height."""
-        left, top, width, height = self.page.evaluate(
+        left, top, width, height = self.evaluate(
             "(({ left, top }, { image }) => [left + image.left, top + image.top, image.width, image.height])"
             "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.renderer.rects)"
         )
@@ -239,12 +239,12 @@ class Screen:
     def address(self) -> str:
         """The page's address after #, once it holds what the page shows."""
         self.until("window.__wall.addressed()")
-        found: str = self.page.evaluate("location.hash")
+        found: str = self.evaluate("location.hash")
         return found
 
     def touching(self, canvas: str) -> list[tuple[str, str]]:
         """Return the texts on a canvas that overlap, in pairs."""
-        labels = self.page.evaluate(f"document.getElementById('{canvas}').labels")
+        labels = self.evaluate(f"document.getElementById('{canvas}').labels")
         assert labels
         return [
             (a["text"], b["text"])
@@ -254,12 +254,12 @@ class Screen:
 
     def cut_selects(self) -> list[tuple[str, float]]:
         """Return the visible lists whose chosen text is wider than their box, in pixels."""
-        found: list[tuple[str, float]] = self.page.evaluate(WIDER_THAN_ITS_BOX)
+        found: list[tuple[str, float]] = self.evaluate(WIDER_THAN_ITS_BOX)
         return found
 
     def struck(self, canvas: str) -> list[tuple[str, list[float]]]:
         """Return the texts on a canvas that a line strikes; not those on a ground of their own, nor lines of a grid."""
-        labels, strokes = self.page.evaluate(
+        labels, strokes = self.evaluate(
             f"(({{ labels, strokes }}) => [labels, strokes])(document.getElementById('{canvas}'))"
         )
         assert strokes
@@ -274,12 +274,12 @@ class Screen:
         return np.frombuffer(bytes_, np.uint8).reshape(got["height"], got["width"], 4)[::-1]
 
     def stats(self) -> dict[str, float]:
-        found: dict[str, float] = self.page.evaluate("window.__wall.stats")
+        found: dict[str, float] = self.evaluate("window.__wall.stats")
         return found
 
     def readout(self) -> dict[str, str]:
         script = "[...document.querySelectorAll('#readout > *')].map((e) => e.textContent)"
-        flat = self.page.evaluate(script)
+        flat = self.evaluate(script)
         return dict(zip(flat[::2], flat[1::2], strict=True))
 
     def close(self) -> None:
