@@ -37,6 +37,10 @@ def message(n):
     return json.dumps({"seq": n, "md": 100 + 0.001 * n, "tool": {"tf": n * 37 % 360, "rad": 110.0 + n % 3}})
 
 
+CONNECT = b"\x10\x0c\x00\x04MQTT\x04\x02\x00\x3c\x00\x00"
+"""The first packet of a client without a name."""
+
+
 class Broker:
     """A mosquitto that keeps its sessions in a folder."""
 
@@ -55,10 +59,11 @@ class Broker:
 
         def answers() -> bool:
             try:
-                socket.create_connection(("127.0.0.1", self.port), timeout=1).close()
+                with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as link:
+                    link.sendall(CONNECT)
+                    return bool(link.recv(4))  # only then does a signal end it: one that comes as it begins is lost
             except OSError:
                 return False
-            return True
 
         until(answers)
 

@@ -39,7 +39,7 @@ threads = 1
 address = "URL"
 ca = "CA"
 every = 0.05
-timeout = 2.0
+timeout = 60.0
 answer_mb = 1
 items = { bit_depth = "DBTM" }
 log = { well = "w", wellbore = "b", log = "l<1>", index = "depth" }
@@ -163,7 +163,8 @@ def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_pat
 )
 def test_trouble_is_told_and_what_comes_after_it_is_read(store, tmp_path, trouble, reported):
     store.rows, store.trouble = grown(50), [trouble] * 2
-    with Polled(store, tmp_path / "j", lambda text: text.replace("timeout = 2.0", "timeout = 0.5")) as polled:
+    short = "timeout = 0.5" if trouble.startswith("slow") else "timeout = 60.0"
+    with Polled(store, tmp_path / "j", lambda text: text.replace("timeout = 60.0", short)) as polled:
         until(lambda: polled.live.wall.sample_count == 50)
         assert any(reported in line for line in polled.reported()), polled.reported()
     assert np.array_equal(hb.Live.replay(tmp_path / "j").wall.radius, polled.live.wall.radius, equal_nan=True)
