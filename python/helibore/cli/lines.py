@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from helibore.base.angles import azimuth_text
 from helibore.base.units import BARREL, INCH, size_text
 from helibore.cli.quantities import facts_in
 
@@ -178,6 +177,8 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
 
     ``unit`` is the value of ``--unit``: the unit in which the criteria are shown.
     """
+    from helibore.base.angles import azimuth_text
+
     inside = [zone for zone in zones.zones if zone.stop > found.start and zone.start < found.stop]
     unsure = Counter(zone.kind for zone in inside if not zone.sure)
     kinds = [
