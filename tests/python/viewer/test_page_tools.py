@@ -494,6 +494,27 @@ def test_dips_stand_beside_their_traces_and_in_one_form_in_the_list_of_a_picture
         screen.close()
 
 
+def test_on_its_path_angles_that_have_no_room_beside_their_disc_stand_in_another_row_whole(browser: Any) -> None:
+    depth = np.arange(1228.0, 1235.0, 0.01)
+    path = hb.Survey([1180.0, 1270.0], [34.0, 37.0], [20.0, 22.0]).path()
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, 0.109)), bit_diameter=0.2159, sectors=32
+    )
+    for bed in (1228.9, 1229.2, 1233.8):
+        wall.picks.append(replace(plane("bed", bed, 11.0, 102.0, path), dip_sigma=0.6, toolface_sigma=1.7))
+    with hb.view(wall, path=path) as viewer:
+        address = "#md=1231.4&sec=6&camera=outside"
+        screen = Screen(browser, viewer.url, address, (1366, 768), drawn=False)
+        screen.until("globalThis.more")
+        screen.settle()
+        left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
+        labels = screen.evaluate("ink.labels")
+        screen.close()
+    beside = [one["text"] for one in labels if one["left"] > left and "±" in one["text"]]
+    assert beside
+    assert not [text for text in beside if "95 %" not in text and not re.fullmatch(r"11 ± \d+ / 102 ± \d+", text)]
+
+
 def test_a_trace_is_thin_and_that_of_the_selected_pick_two_lines_beside_what_it_marks(browser: Any) -> None:
     """At its deepest point a trace is level: how opaque the ink is there, from 8 pixels above to 8 below."""
     across = (

@@ -487,6 +487,28 @@ class TestPage:
         assert names.count("B") >= 3
         assert names.count("f") > names.count("b")
 
+    @pytest.mark.parametrize("size", [(1366, 768), (390, 844)])
+    def test_side_by_side_angles_are_whole_and_no_top_strikes_them_also_on_a_phone(
+        self, browser: Any, size: tuple[int, int]
+    ) -> None:
+        walls = {name: made(HEADS[name], (1003.0, 1006.0, 1009.0, 1012.0)) for name in HEADS}
+        for wall in walls.values():  # at many distances from the tops
+            wall.picks = [
+                hb.Pick(kind="fracture", depth=1001.5 + 0.93 * i, apparent_dip=40.0, toolface=30.0 * i)
+                for i in range(12)
+            ]
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, "#mode=section", size, drawn=False)
+            screen.until("window.__wall.wells.wells.every((well) => well.planes.length === 12)")
+            screen.until("ink.labels.filter(({ text }) => / [/] [0-9]/.test(text)).length > 5")
+            widths = screen.evaluate("window.__wall.wells.section.columns.map(({ rects }) => rects.image.width)")
+            texts = [one["text"] for one in screen.evaluate("ink.labels")]
+            struck = [text for text, _ in screen.struck("ink") if " / " in text]
+            screen.close()
+        assert min(widths) > 55
+        assert not [text for text in texts if re.search(r"\d.*…$", text)], "no number is cut"
+        assert struck == []
+
     def test_side_by_side_the_wells_have_one_scale_of_the_caliper_and_a_key(self, browser: Any) -> None:
         toolface, depth = np.tile(np.arange(16) * 22.5, 160), 1000.0 + np.arange(16 * 160) / 160
         walls = {}

@@ -55,7 +55,7 @@ export function drawDips(ink, look, planes, straight) {
     const right = plane.curve?.depths.slice(-Math.ceil(ink.measureText(text).width / 3) - 2) ?? []; // points of the curve, 3 pixels apart, above or below which the angles stand
     const [upper, lower] = [Math.min, Math.max].map((end) => yOf(view, image, end(...right)));
     const x = image.left + image.width - 4;
-    if (inside(image, x, upper - 14)) label(ink, text, x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
+    if (inside(image, x, upper - 14) && !text.endsWith('…')) label(ink, text, x, upper - 9, { colour, halo: palette.paper, align: 'right', font: SMALL_BOLD, near: [[0, 0], [0, lower - upper + 20]], yields: true });
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) dipTrack(ink, look, look.rects.dips, palette);

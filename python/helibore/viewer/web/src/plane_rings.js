@@ -144,8 +144,11 @@ export function drawDiscs(ink, look, planes, gpu) {
       ink.font = BOLD;
       const end = at[0] + 6 * dx - rect.left - 6; // of the room at the left of the disc
       const room = Math.max(LEAST_NAME, dx < -0.3 ? end : dx > 0.3 ? rect.width - end - 12 : rect.width - 12);
-      const lines = (dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]).map((text) => fitting(ink, [text, text.replace(ANGLES, '')], room)); // in two lines it need not stand on the hole
-      const wide = Math.max(...lines.map((text) => Math.min(room, ink.measureText(text).width)));
+      const lines = (dx < -0.3 && ink.measureText(whole).width > end ? parts : [whole]).map((text) => { // in two lines it need not stand on the hole
+        const angles = ANGLES.test(text) ? text.replace(ANGLES, '') : '';
+        return fitting(ink, [text, angles || text], Math.max(room, ink.measureText(angles).width)); // no number is cut: it has room in another row
+      });
+      const wide = Math.max(...lines.map((text) => ink.measureText(text).width));
       const [ahead, behind] = dx < -0.3 ? [wide, 0] : dx > 0.3 ? [0, wide] : [wide / 2, wide / 2];
       const x = Math.max(ahead, Math.min(end, rect.width - 12 - behind)) + rect.left + 6;
       let moved = 0;

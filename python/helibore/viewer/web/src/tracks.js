@@ -191,7 +191,7 @@ export function drawOutside(ink, look) {
     const text = fitting(ink, words, rects.image.width - 4);
     const y = edge ? to - away : from + away;
     const onBit = look.bitDepth !== null && Math.abs(yOf(view, rects.axis, look.bitDepth) - 8 - y) < 14; // where the bit has its name
-    if (rects.image.width && away > 9 && !onBit) label(ink, text, rects.image.left + rects.image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+    if (rects.image.width && away > 9 && !onBit && !text.endsWith('…')) label(ink, text, rects.image.left + rects.image.width / 2, y, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
   }
 }
 

@@ -123,7 +123,7 @@ function outsideInk(ink, look, gpu, calipers, planes, palette, words) {
 function barBeside(ink, { view, path, rects: { wall: rect } }, gpu, palette, words) {
   const frame = path.at(view.middle);
   const [a, b] = [0, 1].map((metres) => gpu.project(frame, rect, scaled(gpu.camera.axes[0], metres)));
-  const left = rect.left + 92;
+  const left = rect.left + 104;
   if (a && b) scaleBar(ink, left, Math.min(rect.height - 46, words.left < left + LONGEST_BAR ? words.top - 10 : Infinity), b[0] - a[0], view, palette);
 }
 

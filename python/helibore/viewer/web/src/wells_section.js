@@ -15,6 +15,7 @@ import { LETTERS, STRIP } from './zones.js';
 
 const NAME = 24; // pixels above the heads, for the names of the wells
 const AXIS = 76;
+const SLIM = 600; // pixels of a picture in which axes and gaps are narrow, so that images are wide enough to be read
 const FOOT = 22; // for the key
 const SHORTEST = 0.5; // metres
 const SLICE = 16; // pixels of an image between two true depths that are drawn at one scale
@@ -106,20 +107,23 @@ export class Section {
     if (!this.fitted || wells.drawn.length > this.seen) this.fit();
     const palette = PALETTES[view.theme];
     const drawn = wells.drawn.filter((well) => Number.isFinite(this.datumOf(well)));
-    const between = Math.min(120, Math.max(28, (0.14 * rect.width) / Math.max(1, drawn.length)));
+    const slim = rect.width < SLIM;
+    const depths = slim ? 58 : AXIS;
+    const between = slim ? 10 : Math.min(120, Math.max(28, (0.14 * rect.width) / Math.max(1, drawn.length)));
     const each = (rect.width - 12 + between) / Math.max(1, drawn.length); // the last well ends at the right
     const body = { top: NAME + HEAD, height: Math.max(40, rect.height - NAME - HEAD - FOOT) };
-    const shape = each - between - AXIS > 150;
-    const dips = wells.shown.planes && each - between - AXIS > 300 && drawn.some(({ planes }) => planes.length) ? DIPS.desk : 0;
+    const wide = each - between - depths;
+    const shape = wide > 150;
+    const dips = wells.shown.planes && wide > 300 && drawn.some(({ planes }) => planes.length) ? DIPS.desk : 0;
     this.columns = drawn.map((well, i) => {
       const left = i * each + 4;
-      const room = each - between - AXIS - (dips ? dips + 6 : 0);
+      const room = wide - (dips ? dips + 6 : 0);
       const caliper = shape && well.store.basis !== 'gauge' ? Math.round(0.36 * room) : 0;
-      const image = { ...body, left: left + AXIS, width: room - caliper - (caliper ? 6 : 0) };
+      const image = { ...body, left: left + depths, width: room - caliper - (caliper ? 6 : 0) };
       const none = { ...body, left, width: 0 };
-      const last = { ...body, left: left + AXIS + room + 6, width: dips };
+      const last = { ...body, left: left + depths + room + 6, width: dips };
       const bent = this.byTrue ? bend(well, this.top + this.datumOf(well), this.length) : undefined;
-      return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: AXIS - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, ...(dips ? { dips: last } : {}), wall: none, pane: none } };
+      return { well, datum: this.datumOf(well), bent, rects: { map: none, axis: { ...body, left, width: depths - 4 }, image, caliper: { ...body, left: image.left + image.width + 6, width: caliper }, ...(dips ? { dips: last } : {}), wall: none, pane: none } };
     });
     const looks = this.columns.map(({ well, datum, bent, rects }) => {
       const [top, bottom] = bent ? [0, 1].map(bent.depth) : [this.top + datum, this.top + datum + this.length];
@@ -187,20 +191,18 @@ export class Section {
     drawImageHead(ink, moved);
     drawCaliper(ink, moved, lines);
     drawOutside(ink, moved);
-    const planes = { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false };
-    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, planes, false);
-    if (rects.dips) tadpoles(ink, moved, moved.rects.dips, planes);
     const { axis: depths, image: picture } = moved.rects;
-    edges(ink, sharp(picture, -1), palette.line);
     /** @param {number} depth */
     const y = (depth) => this.y(this.down(well, depth), moved.rects);
     const [top, bottom] = [depths.top, depths.top + depths.height];
     const colours = new Map(this.wells.tops.map(({ name, colour }) => [name, colour]));
-    for (const [name, start] of look.intervals) {
-      if (y(start) < top || y(start) > bottom) continue;
-      line(ink, picture.left, y(start), right, y(start), colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
-      label(ink, fitting(ink, [name], picture.width - 8), picture.left + 5, y(start) + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, yields: true });
-    }
+    const tops = look.intervals.filter(([, start]) => y(start) >= top && y(start) <= bottom);
+    for (const [name, start] of tops) line(ink, picture.left, y(start), right, y(start), colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5); // before the angles of picks, which keep off them
+    const planes = { kept: well.planes, boxes: well.picks.filter((pick) => pick.kind === 'breakout'), selected: null, current: null, open: false };
+    if (this.wells.shown.planes) drawDips(ink, { ...moved, images: [moved] }, planes, false);
+    if (rects.dips) tadpoles(ink, moved, moved.rects.dips, planes);
+    edges(ink, sharp(picture, -1), palette.line);
+    for (const [name, start] of tops) label(ink, fitting(ink, [name], picture.width - 8), picture.left + 5, y(start) + 9, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0]], yields: true });
     for (const casing of casingsIn(look.store)) { // along both edges of the image
       const [name, , stop] = casing;
       pipe(ink, casing, picture.left + picture.width / 2, picture.width / 2 - 1, y, [top, bottom], palette);
@@ -209,9 +211,8 @@ export class Section {
       label(ink, fitting(ink, [shoeInWords(casing, look.view.units), `shoe ${name}`, 'shoe'], picture.width - 8), picture.left + 5, y(stop) - 8, { colour: palette.ink, halo: palette.paper, font: SMALL_BOLD, near: [[0, 0], [0, 17], [0, -15]], yields: true });
     }
     drawAxisLabels(ink, moved);
-    for (const [name, start] of this.columns[0].well === well ? [] : look.intervals) { // from the well at its left, with a gap at a number
+    for (const [name, start] of this.columns[0].well === well ? [] : tops) { // from the well at its left, with a gap at a number
       const at = y(start);
-      if (at < top || at > bottom) continue;
       const number = ink.canvas.labels.find((box) => box.right > depths.left && box.left < picture.left && box.top < at + 2 && box.bottom > at - 2);
       for (const [from, to] of number ? [[depths.left, number.left - 3], [number.right + 3, picture.left]] : [[depths.left, picture.left]]) if (to > from) line(ink, from, at, to, at, colours.get(name) ?? palette.top, [], name === this.wells.datum ? 4 : 2.5);
     }
