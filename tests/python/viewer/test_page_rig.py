@@ -568,6 +568,10 @@ def test_short_names_are_as_large_as_rows_and_screen_let_them(browser: Any, size
         names = "[...document.querySelectorAll('#rigWorstHead, #rigBodies .name')]"
         sizes = screen.evaluate(f"{names}.map((at) => parseFloat(getComputedStyle(at).fontSize))")
         assert min(sizes) > 18, "pixels"
+        lowest = (
+            "Math.max(...[...document.querySelectorAll('#rigBodies *')].map((at) => at.getBoundingClientRect().bottom))"
+        )
+        assert screen.evaluate(lowest) <= size[1], "no row is cut"
         assert screen.evaluate(CROSSED) == []
         screen.close()
 
