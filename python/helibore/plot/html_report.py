@@ -76,6 +76,7 @@ tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
 thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
 #zones td:first-child, #intervals td:first-child { white-space: normal; }
+#picks td:last-child, #picks th:last-child { white-space: normal; text-align: left; }
 #intervals table { font-size: .7rem; } #intervals th, #intervals td { padding: .25rem .15rem; }
 td.missing { background: #b0b0b0; } b.sign { display: inline-block; width: 1.3em; border: 2px solid;
   text-align: center; line-height: 1.2; print-color-adjust: exact; -webkit-print-color-adjust: exact; }

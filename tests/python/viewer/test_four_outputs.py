@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from made_wall import BIT
-from screen import NEEDS_BROWSER, Screen
+from screen import NEEDS_BROWSER, Screen, new_tab
 
 import helibore as hb
 from helibore.cli.lines import summary_lines, zone_lines
@@ -210,3 +210,19 @@ def test_page_print_report_and_terminal_say_the_same_of_twenty_walls(
     screen.close()
     assert {kind for kind, _ in seen} == set(KINDS[:4])
     assert {hollow for _, hollow in seen} == {True, False}
+
+
+def test_a_long_note_of_a_pick_does_not_widen_the_report(browser: Any) -> None:
+    depth = np.arange(1000.0, 1010.0, 0.01)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    wall.picks = [hb.Pick(kind="note", depth=1005.0, toolface=0.0, note="core plug 14, oil stain, " * 3)]
+    tab = new_tab(browser)
+    tab.set_viewport_size({"width": 1366, "height": 768})
+    tab.set_content(html_report.page(wall, body=(), polar=(), dpi=30))
+    wide, room = tab.evaluate(
+        "[document.querySelector('#picks table'), document.querySelector('#picks')].map((e) => e.offsetWidth)"
+    )
+    tab.close()
+    assert wide <= room
