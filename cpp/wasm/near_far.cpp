@@ -14,4 +14,8 @@ void LikelyNearFar::run(const Samples&, const Helix&, Index, Search::Scratch&, G
 void LikelyNearFar::interpolate(const Samples&, const Helix&, Index, Index, Search::Scratch&,
                                 std::span<const std::span<const double>>, std::span<double* const>) const {}
 
+std::vector<Search::FarChange> LikelyNearFar::far_changes(const Samples&, Index) const {
+    return {};
+}
+
 }  // namespace helibore
