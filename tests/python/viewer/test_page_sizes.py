@@ -106,7 +106,7 @@ def test_the_bar_of_a_phones_scale_stands_above_the_words(browser: Any, viewer: 
     labels = screen.evaluate("ink.labels")
     words = min(one["top"] for one in labels if "hole ×" in one["text"])
     left = screen.evaluate("window.__wall.app.renderer.rects.wall.left")
-    bars = [one for one in labels if one["text"].endswith(" m") and abs(one["left"] - left - 92) < 2]
+    bars = [one for one in labels if one["text"].endswith(" m") and abs(one["left"] - left - 104) < 2]
     assert bars
     assert all(one["bottom"] < words for one in bars)
     screen.close()
