@@ -197,6 +197,18 @@ py::array_t<double> vertex_sections(const std::tuple<double, double, double, Ind
     return array_of(std::move(found));
 }
 
+py::array_t<double> kept_radii(const std::tuple<double, double, double, Index, Index>& helix, const Column& wall,
+                               const Column& depth, const Column& toolface, const Column& radius, double noise) {
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
+    std::vector<double> found;
+    {
+        const WithoutGil released;
+        found = helibore::kept_radii({start_depth, start_toolface, pitch, sectors, wall.size(), first}, span_of(wall),
+                                     {span_of(depth), span_of(toolface)}, span_of(radius), noise);
+    }
+    return array_of(std::move(found));
+}
+
 py::array_t<double> sparse_turns(const Column& sections, double height) {
     return array_of(helibore::sparse_turns(span_of(sections), height));
 }
@@ -319,6 +331,8 @@ void register_logs(py::module_& m) {
     m.def("turn_sections", &turn_sections, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("radius"));
     m.def("vertex_sections", &vertex_sections, py::arg("helix"), py::arg("radius"));
+    m.def("kept_radii", &kept_radii, py::arg("helix"), py::arg("wall"), py::arg("depth"), py::arg("toolface"),
+          py::arg("radius"), py::arg("noise"));
     m.def("sparse_turns", &sparse_turns, py::arg("sections"), py::arg("height"));
     m.def("arm_diameters", &arm_diameters, py::arg("samples"), py::arg("depth"), py::arg("height"), py::arg("reach"));
     m.def("find_zones", &find_zones, py::arg("columns"), py::arg("sections"), py::arg("uneven"), py::arg("vertices"),

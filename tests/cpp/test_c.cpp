@@ -281,6 +281,27 @@ void zones_of_arms() {
     CHECK(hb_close(wall) == HB_OK);
 }
 
+// A hole of bit size with spikes at one toolface: no key seat, if the wall is robust.
+void zones_of_a_robust_wall() {
+    std::vector<double> depth, toolface, radius;
+    for (int i = 0; i < 4000; ++i) {
+        depth.push_back(100.0 + 0.003 * i), toolface.push_back(std::fmod(137.0 * i, 360.0));
+        radius.push_back(i % 3 == 0 && std::abs(toolface.back() - 90.0) < 25.0 ? 0.138 : 0.108);
+    }
+    hb_settings settings = settings_of();
+    settings.estimator = HB_NEAR_AND_FAR, settings.robust = 1, settings.covariance_count = 8;
+    const double covariance[] = {0.108, 2.5e-7, 1e-7, 0.05, 0.06, 4e-6, 0.1, 0.6};
+    std::copy(std::begin(covariance), std::end(covariance), settings.covariance);
+    std::int64_t wall = 0, turns = 0, count = 0;
+    CHECK(hb_wall_create(&settings, &wall) == HB_OK && append(wall, {depth, toolface, radius}) == HB_OK);
+    auto criteria = sized<hb_zone_criteria>();
+    CHECK(hb_zone_criteria_init(&criteria) == HB_OK);
+    std::vector<std::int32_t> kinds(240);
+    turns = std::ssize(kinds);
+    CHECK(hb_wall_zones(wall, &criteria, &turns, kinds.data(), &count, nullptr) == HB_OK && count == 0);
+    CHECK(hb_close(wall) == HB_OK);
+}
+
 std::int64_t new_live() {
     const hb_settings settings = settings_of();
     hb_path_settings path = path_settings();
@@ -1111,6 +1132,7 @@ int main() {
     same_numbers_as_cpp();
     zones();
     zones_of_arms();
+    zones_of_a_robust_wall();
     live();
     wits();
     older_struct();

@@ -55,6 +55,12 @@ std::vector<double> turn_sections(const HelixVertices& vertices, const SamplePla
 // The same where each vertex counts as a sample.
 std::vector<double> turn_sections(const HelixVertices& vertices, std::span<const double> radius);
 
+// Returns the radii of the samples of a robust wall (Settings::robust), NaN for those that are spikes to it: they lie
+// beyond the vertices on all sides of them by more than 2.5 deviations of the noise. A spike shows no shape: several of
+// them along a hole of bit size would be a key seat. `wall`: radii of `vertices`; `noise`: variance, m^2.
+std::vector<double> kept_radii(const HelixVertices& vertices, std::span<const double> wall, const SamplePlaces& samples,
+                               std::span<const double> radius, double noise);
+
 // Returns 1 for each turn of which less than half of the section has samples, over 0.3 m of hole or more, else 0.
 // `height`: of a turn, metres.
 std::vector<double> sparse_turns(std::span<const double> sections, double height);

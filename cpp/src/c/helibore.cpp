@@ -210,6 +210,13 @@ Range all_of(const Wall& wall) {
     return {first, first + wall.size()};
 }
 
+// Returns the greatest noise variance of a sample of the wall's stretches, m^2.
+double greatest_noise(const Settings& settings) {
+    double noise = settings.covariance.size() > 1 ? settings.covariance[1] : 0.0;
+    for (std::size_t at = 2; at < settings.stretches.size(); at += 13) noise = std::max(noise, settings.stretches[at]);
+    return noise;
+}
+
 // The zones of a wall whose shape, if samples of arms are given, is that of the arms.
 void find_wall_zones(int64_t wall, const hb_zone_criteria* criteria, const SampleColumns& of_arms,
                      const std::vector<Index>& arm, int64_t* turns, int32_t* kinds, int64_t* count, double* values) {
@@ -222,7 +229,11 @@ void find_wall_zones(int64_t wall, const hb_zone_criteria* criteria, const Sampl
     const WallRadii of(*handle->read, all_of(*handle->read));
     const auto samples = handle->read->samples();
     const ArmSamples arms{of_arms.depth, of_arms.toolface, of_arms.radius, arm, of_arms.time, of.settings.max_distance};
-    const Zones found = wall_zones(of.vertices(), of.radius, {{samples[0], samples[1]}, samples[2], arms},
+    const SamplePlaces places{samples[0], samples[1]};
+    std::vector<double> kept;
+    if (of.settings.robust)
+        kept = kept_radii(of.vertices(), of.radius, places, samples[2], greatest_noise(of.settings));
+    const Zones found = wall_zones(of.vertices(), of.radius, {places, of.settings.robust ? kept : samples[2], arms},
                                    of.settings.bit_diameter, limits, rule, of.settings.threads);
     require_room({turns, count}, {std::ssize(found.kinds), std::ssize(found.zones)});
     copy_to(kinds, found.kinds);

@@ -1,4 +1,5 @@
 // The section of each turn, as its samples show it, and the turns that have few samples.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double sparse_length = 0.3;  // metres
 constexpr double rounding = 1e-9;      // metres
+constexpr double most_off = 2.5;       // deviations of the noise, as beside other samples (near_far.cpp)
 
 std::size_t part_of(double toolface) {
     const double part = nearest_whole(wrap_toolface(toolface) * (static_cast<double>(section_parts) / 360.0));
@@ -78,6 +80,35 @@ std::vector<double> turn_sections(const HelixVertices& vertices, std::span<const
         for (std::size_t part = 0; part < section_parts; ++part) means.push_back(mean_of(sums[part], counts[part]));
     }
     return means;
+}
+
+std::vector<double> kept_radii(const HelixVertices& vertices, std::span<const double> wall, const SamplePlaces& samples,
+                               std::span<const double> radius, double noise) {
+    const StandardArithmetic standard;
+    std::vector<double> kept = copied(radius);
+    if (vertices.count == 0) return kept;
+    require_helix(vertices);
+    require_length("wall", wall.size(), static_cast<std::size_t>(vertices.count), "count");
+    require_length("depth", samples.depth.size(), radius.size());
+    require_length("toolface", samples.toolface.size(), radius.size());
+    const Index sectors = vertices.sectors, turns = vertices.count / sectors, before = vertices.first / sectors;
+    const double off = most_off * std::sqrt(noise), step = 360.0 / static_cast<double>(sectors);
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        const double of_turn =
+            std::floor((samples.depth[i] - vertices.start_depth) / vertices.pitch) - static_cast<double>(before);
+        if (!(of_turn >= 0.0 && of_turn < static_cast<double>(turns))) continue;
+        const double around = wrap_toolface(read_once(samples.toolface[i]) - vertices.start_toolface) / step;
+        const auto turn = static_cast<Index>(of_turn), sector = static_cast<Index>(nearest_whole(around));
+        double least = std::numeric_limits<double>::infinity(), greatest = -least;
+        for (Index row = std::max(turn - 1, Index{0}); row <= std::min(turn + 1, turns - 1); ++row)
+            for (const Index column : {sector + sectors - 1, sector, sector + 1}) {
+                const double of = wall[static_cast<std::size_t>(row * sectors + column % sectors)];
+                least = std::fmin(least, of), greatest = std::fmax(greatest, of);
+            }
+        if (least <= greatest && (kept[i] > greatest + off || kept[i] < least - off))
+            kept[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+    return kept;
 }
 
 std::vector<double> sparse_turns(std::span<const double> sections, double height) {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
+from helibore import _core
 from helibore.logs.kept_samples import columns_of_kept_samples, columns_of_samples
 from helibore.viewer.feed import Feed
 
@@ -50,3 +51,34 @@ def test_what_a_robust_wall_keeps_are_all_samples_but_those_that_stand_alone(spi
     assert np.array_equal(kept[~left_out], radius[~left_out])
     plain = hb.reconstruct(hb.Caliper(*places, radius), bit_diameter=0.17145, estimator="inverse-distance")
     assert np.array_equal(columns_of_kept_samples(plain)[2], radius)
+
+
+def slow_kept(start: float, sectors: int, first: int, wall: np.ndarray, places: np.ndarray, radius: np.ndarray) -> list:
+    """The same, vertex by vertex; the helix has a pitch of 0.1 m and begins at a toolface of 30 degrees."""
+    turns, found = wall.size // sectors, []
+    for (depth, toolface), of in zip(places.T, radius, strict=True):
+        turn = int(np.floor((depth - start) / 0.1)) - first // sectors
+        sector = round((toolface - 30.0) % 360.0 * sectors / 360.0)
+        beside = [
+            wall[row * sectors + (sector + step) % sectors]
+            for row in (turn - 1, turn, turn + 1)
+            for step in (-1, 0, 1)
+            if 0 <= row < turns
+        ]
+        known = [each for each in beside if np.isfinite(each)] if 0 <= turn < turns else []
+        keeps = not known or min(known) - 2.5e-3 <= of <= max(known) + 2.5e-3
+        found.append(of if keeps else np.nan)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_kept_samples_lie_between_the_vertices_beside_them(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    sectors = int(draw.integers(3, 20))
+    first, count = sectors * int(draw.integers(0, 3)), int(draw.integers(2 * sectors, 9 * sectors))
+    wall = np.where(draw.random(count) < 0.2, np.nan, draw.normal(0.1, 2e-3, count))
+    places = np.array([draw.uniform(4.9, 6.2, 400), draw.uniform(0.0, 360.0, 400)])
+    radius = draw.normal(0.1, 6e-3, 400)
+    found = _core.kept_radii((5.0, 30.0, 0.1, sectors, first), wall, *places, radius, 1e-6)
+    np.testing.assert_array_equal(found, slow_kept(5.0, sectors, first, wall, places, radius))
+    assert 0 < np.isnan(found).sum() < 400
