@@ -27,4 +27,6 @@ def columns_of_kept_samples(wall: WallLike) -> tuple[Floats, ...]:
     if not columns or not getattr(wall.settings, "robust", False):
         return columns
     noise = max([*(wall.settings.covariance or ())[1:2], *(wall.settings.stretches or ())[2::13]])
-    return *columns[:2], _core.kept_radii(whole_helix(wall), column("radius", wall.radius), *columns, noise)
+    depth, toolface, radius = columns
+    kept = _core.kept_radii(whole_helix(wall), column("radius", wall.radius), depth, toolface, radius, noise)
+    return depth, toolface, kept
