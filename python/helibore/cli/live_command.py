@@ -103,17 +103,19 @@ def live(
             show = serving.enter_context(_screen(server, quiet))  # made before the server can use all file descriptors
             if window:
                 serving.callback(window.close)
-            server.start()
-            serving.callback(server.stop)
-            if not quiet and not terminal_console().is_terminal:  # a terminal has the status page
-                _say_sources(settings, where)
-            if metrics_port is not None:
-                pages = MetricsServer(server, metrics_port, allowed, window.connections if window else None)
-                pages.connections.report = functools.partial(running.report, "connections")
-                serving.callback(pages.close)
-                _announce("the metrics are at", pages.url)
-            reload = lambda: server.reconfigure(load(configuration))  # noqa: E731
-            _loop(server, window, show, seconds, target, every or settings.snapshot.every, log_writer, reload)
+            with _signals() as (stopped, changed):  # before a source can send: who hears that it runs may end it
+                server.start()
+                serving.callback(server.stop)
+                if not quiet and not terminal_console().is_terminal:  # a terminal has the status page
+                    _say_sources(settings, where)
+                if metrics_port is not None:
+                    pages = MetricsServer(server, metrics_port, allowed, window.connections if window else None)
+                    pages.connections.report = functools.partial(running.report, "connections")
+                    serving.callback(pages.close)
+                    _announce("the metrics are at", pages.url)
+                reload = functools.partial(_reload, server, configuration, changed)
+                every = every or settings.snapshot.every
+                _loop(server, window, show, seconds, target, every, log_writer, reload, stopped)
         if target:
             _snapshot(running, target)
         if server.failure is not None:
@@ -181,52 +183,61 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
         thread.join(LAST_SECONDS)
 
 
-def _loop(
-    server: Server, window: Window | None, show: Callable[[], None], seconds: float | None, target: Path | None,
-    every: float, log: LogWriter, reload: Callable[[], None],
-) -> None:  # fmt: skip
-    """Update the status page (``show``) and the browser's page (``window``) and write snapshots, until the run ends.
-
-    The run ends at Ctrl-C or SIGTERM, after ``seconds``, or if a thread fails; without a browser's page, also after all
-    files are read. After SIGHUP, ``reload`` is called, which reads the configuration again.
-    """
+@contextmanager
+def _signals() -> Iterator[tuple[threading.Event, threading.Event]]:
+    """Catch signals; yield what Ctrl-C and SIGTERM set, and what SIGHUP sets."""
     stopped, changed = threading.Event(), threading.Event()
     before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}
     before[signal.SIGHUP] = signal.signal(signal.SIGHUP, lambda *_: changed.set())
-    end = time.monotonic() + (seconds if seconds is not None else float("inf"))
-    next_snapshot = time.monotonic() + every
     try:
-        while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
-            if window and (thread := window.dead_thread()):
-                server.fail(thread, RuntimeError("it ended"))
-            if window and not _show(window, server):
-                window = None
-            if not log.alive:
-                server.fail("log", RuntimeError("it ended"))
-            if trouble := log.trouble():
-                server.live.report("log", trouble)
-            if changed.is_set():
-                changed.clear()
-                _reconfigure(server, reload)
-            show()
-            if server.failure is not None:
-                if window:
-                    _show(window, server)
-                stopped.wait(LAST_SECONDS)
-                return
-            if target and time.monotonic() >= next_snapshot:
-                _snapshot(server.live, target)
-                next_snapshot = time.monotonic() + every
-            stopped.wait(TICK if window else 0)
+        yield stopped, changed
     finally:
         for number, was in before.items():
             signal.signal(number, was)
 
 
-def _reconfigure(server: Server, reload: Callable[[], None]) -> None:
-    """Read the configuration again; if it cannot be used, report the error and keep the old configuration."""
-    try:
+def _loop(
+    server: Server, window: Window | None, show: Callable[[], None], seconds: float | None, target: Path | None,
+    every: float, log: LogWriter, reload: Callable[[], None], stopped: threading.Event,
+) -> None:  # fmt: skip
+    """Update the status page (``show``) and the browser's page (``window``) and write snapshots, until the run ends.
+
+    The run ends when it is ``stopped``, after ``seconds``, or if a thread fails; without a browser's page, also after
+    all files are read. ``reload`` reads the configuration again if it is due.
+    """
+    end = time.monotonic() + (seconds if seconds is not None else float("inf"))
+    next_snapshot = time.monotonic() + every
+    while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
+        if window and (thread := window.dead_thread()):
+            server.fail(thread, RuntimeError("it ended"))
+        if window and not _show(window, server):
+            window = None
+        if not log.alive:
+            server.fail("log", RuntimeError("it ended"))
+        if trouble := log.trouble():
+            server.live.report("log", trouble)
         reload()
+        show()
+        if server.failure is not None:
+            if window:
+                _show(window, server)
+            stopped.wait(LAST_SECONDS)
+            return
+        if target and time.monotonic() >= next_snapshot:
+            _snapshot(server.live, target)
+            next_snapshot = time.monotonic() + every
+        stopped.wait(TICK if window else 0)
+
+
+def _reload(server: Server, configuration: Path, changed: threading.Event) -> None:
+    """Read the configuration again after SIGHUP; if it cannot be used, report the error and keep the old one."""
+    from helibore.live.rules.configuration import load
+
+    if not changed.is_set():
+        return
+    changed.clear()
+    try:
+        server.reconfigure(load(configuration))
     except (OSError, ValueError) as error:
         server.live.report("configuration", f"{error}: the changed configuration is not used")
 

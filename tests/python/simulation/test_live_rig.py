@@ -119,6 +119,21 @@ def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     assert np.array_equal(table[:, 1:], live.images["GR"].arrays()[1], equal_nan=True)
 
 
+def test_a_run_that_says_where_it_listens_can_be_ended(tmp_path):
+    configuration = tmp_path / "rig.toml"
+    configuration.write_text(Rig("memory", 2000.0, 2002.0, lift=0.0).configuration(f"listen://127.0.0.1:{free_port()}"))
+    with subprocess.Popen(
+        [sys.executable, "-u", "-c", "from helibore.cli import main; main()", "live", configuration, "--journal",
+         tmp_path / "j", "--metrics-port", str(free_port()), "--token", "s3"],
+        stdout=subprocess.PIPE,
+    ) as running:  # fmt: skip
+        assert running.stdout is not None
+        assert b" listens at " in running.stdout.readline()
+        running.terminate()
+        assert b"samples drawn" in running.communicate(timeout=PATIENCE)[0]
+    assert running.returncode == 0
+
+
 def test_the_command_line_reads_a_played_rig(tmp_path):
     port, metrics_port = free_port(), free_port()
     rig = Rig("memory", 2000.0, 2002.0, lift=0.0, rate=20.0)
