@@ -71,6 +71,7 @@ struct ZoneSamples {
     std::span<const double> radius;
     ArmSamples arms{};       // the same samples in any order, with the arm of each; empty: the arms are not known
     bool diameters = false;  // each radius is half of a diameter, whose ends are not known; or the arms show it
+    double noise = 0.0;      // of a robust wall, m^2: kept_radii() show the shape; 0: all radii do
 };
 
 // What the turns of a wall measure: one value for each turn, as in TurnLogs and UnwornTurns. Borrowed.

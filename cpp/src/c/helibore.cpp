@@ -229,11 +229,8 @@ void find_wall_zones(int64_t wall, const hb_zone_criteria* criteria, const Sampl
     const WallRadii of(*handle->read, all_of(*handle->read));
     const auto samples = handle->read->samples();
     const ArmSamples arms{of_arms.depth, of_arms.toolface, of_arms.radius, arm, of_arms.time, of.settings.max_distance};
-    const SamplePlaces places{samples[0], samples[1]};
-    std::vector<double> kept;
-    if (of.settings.robust)
-        kept = kept_radii(of.vertices(), of.radius, places, samples[2], greatest_noise(of.settings));
-    const Zones found = wall_zones(of.vertices(), of.radius, {places, of.settings.robust ? kept : samples[2], arms},
+    const double noise = of.settings.robust ? greatest_noise(of.settings) : 0.0;
+    const Zones found = wall_zones(of.vertices(), of.radius, {{samples[0], samples[1]}, samples[2], arms, false, noise},
                                    of.settings.bit_diameter, limits, rule, of.settings.threads);
     require_room({turns, count}, {std::ssize(found.kinds), std::ssize(found.zones)});
     copy_to(kinds, found.kinds);

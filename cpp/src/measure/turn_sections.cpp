@@ -96,8 +96,8 @@ std::vector<double> kept_radii(const HelixVertices& vertices, std::span<const do
     for (std::size_t i = 0; i < kept.size(); ++i) {
         const double of_turn =
             std::floor((samples.depth[i] - vertices.start_depth) / vertices.pitch) - static_cast<double>(before);
-        if (!(of_turn >= 0.0 && of_turn < static_cast<double>(turns))) continue;
         const double around = wrap_toolface(read_once(samples.toolface[i]) - vertices.start_toolface) / step;
+        if (!(of_turn >= 0.0 && of_turn < static_cast<double>(turns) && around >= 0.0)) continue;
         const auto turn = static_cast<Index>(of_turn), sector = static_cast<Index>(nearest_whole(around));
         double least = std::numeric_limits<double>::infinity(), greatest = -least;
         for (Index row = std::max(turn - 1, Index{0}); row <= std::min(turn + 1, turns - 1); ++row)

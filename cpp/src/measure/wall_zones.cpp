@@ -47,7 +47,7 @@ std::vector<double> depths_of(const HelixVertices& vertices, std::size_t turns) 
 
 }  // namespace
 
-WallZones wall_zones(const HelixVertices& vertices, std::span<const double> given, const ZoneSamples& samples,
+WallZones wall_zones(const HelixVertices& vertices, std::span<const double> given, const ZoneSamples& all,
                      double bit_diameter, const ZoneCriteria& criteria, const MeasuredRule& rule, int threads) {
     const StandardArithmetic standard;
     const std::vector<double> radius = copied(given);
@@ -60,9 +60,12 @@ WallZones wall_zones(const HelixVertices& vertices, std::span<const double> give
         found = find_zones({}, of_turns, bit_diameter, criteria, {}, libraries, threads);
         return out;
     }
+    ZoneSamples samples = all;  // that show the shape; a spike measures its place all the same
+    std::vector<double> kept;
+    if (all.noise > 0.0) samples.radius = kept = kept_radii(vertices, radius, all.places, all.radius, all.noise);
     const std::vector<double> sections = turn_sections(vertices, samples.places, samples.radius);
     require_sectors(sectors);
-    const Marks marks = marks_of(measured(vertices, samples.places, rule, threads, {samples.radius, radius}), radius,
+    const Marks marks = marks_of(measured(vertices, all.places, rule, threads, {all.radius, radius}), radius,
                                  static_cast<std::size_t>(sectors));
     const Turns turns{.start_toolface = vertices.start_toolface, .sectors = sectors, .radius = radius};
     const TurnLogs logs = turn_logs(turns, threads);

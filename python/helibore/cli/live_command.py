@@ -103,7 +103,7 @@ def live(
             show = serving.enter_context(_screen(server, quiet))  # made before the server can use all file descriptors
             if window:
                 serving.callback(window.close)
-            with _signals() as (stopped, changed):  # before a source can send: who hears that it runs may end it
+            with _signals() as (stopped, changed):  # before a source can send: a run may be ended as soon as it is seen
                 server.start()
                 serving.callback(server.stop)
                 if not quiet and not terminal_console().is_terminal:  # a terminal has the status page
