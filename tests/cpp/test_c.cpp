@@ -302,6 +302,22 @@ void zones_of_a_robust_wall() {
     CHECK(hb_close(wall) == HB_OK);
 }
 
+// A spike shows no shape, but it measures its place: as large a share of a washout is measured with spikes as without.
+void coverage_of_a_robust_wall() {
+    std::vector<double> depth, toolface, radius, wall(240 * 48, 0.138);
+    for (int i = 0; i < 4000; ++i) {
+        depth.push_back(100.0 + 0.003 * i), toolface.push_back(std::fmod(137.0 * i, 360.0));
+        radius.push_back(i % 3 == 0 ? 0.168 : 0.138);
+    }
+    const helibore::HelixVertices vertices{.start_depth = 100.0, .pitch = 0.05, .sectors = 48, .count = 240 * 48};
+    const auto zones = [&](double noise) {
+        return helibore::wall_zones(vertices, wall, {{depth, toolface}, radius, {}, false, noise}, 0.216).zones;
+    };
+    const auto robust = zones(1e-6), plain = zones(0.0);
+    CHECK(robust.size() == 1 && plain.size() == 1 && robust[0].coverage == plain[0].coverage);
+    CHECK(robust[0].coverage < 0.95);
+}
+
 std::int64_t new_live() {
     const hb_settings settings = settings_of();
     hb_path_settings path = path_settings();
@@ -1133,6 +1149,7 @@ int main() {
     zones();
     zones_of_arms();
     zones_of_a_robust_wall();
+    coverage_of_a_robust_wall();
     live();
     wits();
     older_struct();
