@@ -46,6 +46,16 @@ Windows windows_of(std::span<const double> sections, std::size_t turns, double l
     return out;
 }
 
+// Returns how many parts of a window samples see, or lie beside one that they see.
+Index near_samples(const Windows& windows, std::size_t window) {
+    const std::span<const double> of = std::span(windows.sections).subspan(window * section_parts, section_parts);
+    const auto sees = [&](std::size_t part) { return !std::isnan(of[part % section_parts]); };
+    Index near = 0;
+    for (std::size_t part = 0; part < section_parts; ++part)
+        near += sees(part) || sees(part + 1) || sees(part + section_parts - 1) ? 1 : 0;
+    return near;
+}
+
 Windows gathered(std::span<const double> sections, std::size_t turns, double height) {
     Windows out;
     for (const double length : lengths) {
@@ -110,7 +120,7 @@ KindsAlong kinds_along(std::span<const double> sections, double height, std::spa
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     KindsAlong out{std::vector<double>(turns * hole_kinds, none), std::vector<double>(turns, none),
                    std::vector<double>(turns, none), std::vector<Index>(turns)};
-    for (std::size_t turn = 0; turn < turns; ++turn) out.seen[turn] = windows.seen[turn / windows.turns];
+    for (std::size_t turn = 0; turn < turns; ++turn) out.seen[turn] = near_samples(windows, turn / windows.turns);
     const std::vector<bool> like = like_library(windows, library, rule.likeness.rough);
     const std::vector<bool> needed = near_wanted(wanted, windows, 0), near = near_wanted(wanted, windows, beside);
     for (std::size_t start = 0, stop = 0; start < windows.count(); start = std::max(stop, start + 1)) {

@@ -21,17 +21,17 @@ namespace helibore {
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-constexpr double likely = 0.5;         // least confidence of a zone
-constexpr double most_likely = 0.99;   // greatest one: no kind is certain, as no library has every section
-constexpr double two_sided = 0.625;    // share of breakouts among them and key seats, which diameters show alike
-constexpr double not_gauge = 0.05;     // probability of gauge below which a run is a zone, whatever its kind
-constexpr double least_sampled = 0.5;  // a wall shows no kind where a smaller share of a turn has samples near
-constexpr Index least_seen = 6;        // parts that samples see around a turn that has a kind, unless arms measure it
-constexpr double together = 0.25;      // metres above and below a turn with few samples that make its section
-constexpr std::size_t compared = 6;    // most turns of a zone that are compared with the library
-constexpr double opposite = 140.0;     // least degrees between opposite lobes
-constexpr double widest_key_seat = 150.0;                // degrees
-constexpr double one_axis = 1e-3;                        // degrees; arms whose axes deviate less do not turn
+constexpr double likely = 0.5;             // least confidence of a zone
+constexpr double most_likely = 0.99;       // greatest one: no kind is certain, as no library has every section
+constexpr double two_sided = 0.625;        // share of breakouts among them and key seats, which diameters show alike
+constexpr double not_gauge = 0.05;         // probability of gauge below which a run is a zone, whatever its kind
+constexpr double least_sampled = 0.5;      // a wall shows no kind where a smaller share of a turn has samples near
+constexpr Index least_seen = 8;            // parts near samples in a turn that has a kind, unless arms measure it
+constexpr double together = 0.25;          // metres above and below a turn with few samples that make its section
+constexpr std::size_t compared = 6;        // most turns of a zone that are compared with the library
+constexpr double opposite = 140.0;         // least degrees between opposite lobes
+constexpr double widest_key_seat = 150.0;  // degrees
+constexpr double one_axis = 1e-3;          // degrees; arms whose axes deviate less do not turn
 constexpr double slot_height = 0.8, slot_bottom = 0.35;  // shares of the usual height of a key seat
 constexpr double nearly = 0.65;      // of the median of a run: a zone goes on where the hole has as much
 constexpr double long_share = 0.65;  // of a lobe's height, as a mean over the least length of a zone

@@ -32,9 +32,10 @@ PARTS = 32
 class Along(NamedTuple):
     """What the chain finds along a hole.
 
-    ``kinds``: (turns, 5) probability of each kind. ``seen``: (turns,) parts that samples see around a turn.
-    ``square``, ``square_sigma``: (turns,) mean squared radius, m2, and its deviation among likely sections; NaN
-    where the samples lie beyond all sections of the library: from 11 mm inside a bit of 8.5 in to 48 mm outside.
+    ``kinds``: (turns, 5) probability of each kind. ``seen``: (turns,) parts that samples see around a turn, and those
+    beside them. ``square``, ``square_sigma``: (turns,) mean squared radius, m2, and its deviation among likely
+    sections; NaN where the samples lie beyond all sections of the library: from 11 mm inside a bit of 8.5 in to 48 mm
+    outside.
     """
 
     kinds: Floats

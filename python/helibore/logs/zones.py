@@ -2,8 +2,8 @@
 
 `helibore.logs.zone_criteria` defines the kinds; every output states the criteria. The core finds the zones
 (``zones.hpp``): a run of turns of one kind becomes a zone if it is long enough. A turn is of no kind if it lacks a
-radius or if less than half of it has samples near; a tool's arms, however few, show the kinds of the diameters that
-they measured.
+radius or if less than half of it has samples near; but few arms that turn slowly show the kinds together, and those of
+the diameters that they measured, however few.
 
 Then the sections of a few of its turns, as the samples show them, are compared with a library of sections
 (``kinds.hpp``). The zone states the probability of its kind as ``confidence``: from `SURE` on outputs draw it
@@ -171,7 +171,7 @@ class Classification(Tabular):
         Logs of the turns.
     kind
         (turns,) int8 index in `KINDS` of the zone whose criterion the turn meets; 0 (gauge) outside zones and in the
-        gaps that a zone joins, -1 if a radius is missing or less than half of the turn has samples near.
+        gaps that a zone joins, -1 if a radius is missing or the samples near do not show the kind of the turn.
     zones
         In order of depth.
     criteria

@@ -150,7 +150,7 @@ def test_a_gauge_hole_is_not_called_washed_out_or_sound() -> None:
 
 def test_washed_out_is_not_known_where_samples_see_little_of_most_turns() -> None:
     depth = np.arange(1000.0, 1020.0, 0.1)
-    wall = hb.reconstruct(hb.Caliper(depth, depth * 4567 % 360, np.full(depth.size, 0.14)), bit_diameter=0.216)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 4 % 360, np.full(depth.size, 0.14)), bit_diameter=0.216)
     found = wall.summary()
     assert found.whole_turns > 19
     assert found.coverage < 0.3

@@ -133,7 +133,7 @@ class Reference:
         if self.along is not None and self.sparse[turn]:
             row = self.along.kinds[turn]
             unknown = math.isnan(of.c1[turn] + of.c2[turn] + row[0])
-            return -1 if unknown or not (self.arms or self.along.seen[turn] >= 6) else int(row.argmax())
+            return -1 if unknown or not (self.arms or self.along.seen[turn] >= 8) else int(row.argmax())
         if math.isnan(of.c1[turn] if self.arms else of.mean[turn]) or (not self.arms and of.sampled[turn] < 0.5):
             return -1
         if of.least_diameter[turn] < BIT - criteria.undergauge:
@@ -208,7 +208,7 @@ class Reference:
             known = [
                 self.along.kinds[turn]
                 for turn in inside
-                if not math.isnan(self.along.kinds[turn, 0]) and (self.arms or self.along.seen[turn] >= 6)
+                if not math.isnan(self.along.kinds[turn, 0]) and (self.arms or self.along.seen[turn] >= 8)
             ]
             likely = list(np.mean(known, axis=0))
         if likely[code] < 0.5 and likely[GAUGE] > 0.05:
