@@ -21,12 +21,14 @@ namespace helibore {
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-constexpr double likely = 0.5;             // least confidence of a zone
-constexpr double most_likely = 0.99;       // greatest one: no kind is certain, as no library has every section
-constexpr double two_sided = 0.625;        // share of breakouts among them and key seats, which diameters show alike
-constexpr double not_gauge = 0.05;         // probability of gauge below which a run is a zone, whatever its kind
-constexpr double least_sampled = 0.5;      // a wall shows no kind where a smaller share of a turn has samples near
-constexpr Index least_seen = 8;            // parts near samples in a turn that has a kind, unless arms measure it
+constexpr double likely = 0.5;         // least confidence of a zone
+constexpr double most_likely = 0.99;   // greatest one: no kind is certain, as no library has every section
+constexpr double two_sided = 0.625;    // share of breakouts among them and key seats, which diameters show alike
+constexpr double not_gauge = 0.05;     // probability of gauge below which a run is a zone, whatever its kind
+constexpr double least_sampled = 0.5;  // a wall shows no kind where a smaller share of a turn has samples near
+// Parts near samples in a turn that has a kind, unless arms measure it: three places show a hazard, but it takes more
+// than four to show that there is none.
+constexpr Index least_seen = 8, least_seen_of_gauge = 13;
 constexpr double together = 0.25;          // metres above and below a turn with few samples that make its section
 constexpr std::size_t compared = 6;        // most turns of a zone that are compared with the library
 constexpr double opposite = 140.0;         // least degrees between opposite lobes
@@ -91,8 +93,8 @@ class Finder {
             found[i] = 1;
         });
         Zones out;
-        for (const HoleKind kind : kinds)
-            out.kinds.push_back(kind == HoleKind::none ? HoleKind::none : HoleKind::gauge);
+        for (std::size_t turn = 0; turn < count_; ++turn)
+            out.kinds.push_back(kinds[turn] == HoleKind::none || !shows_gauge(turn) ? HoleKind::none : HoleKind::gauge);
         for (std::size_t i = 0; i < runs.size(); ++i) {
             if (found[i] == 0) continue;
             for (const std::size_t turn : runs[i].inside) out.kinds[turn] = runs[i].kind;
@@ -186,6 +188,10 @@ class Finder {
 
     bool is_chained(std::size_t turn) const {
         return (arms_ || chained_.seen[turn] >= least_seen) && !std::isnan(chained_.kinds[turn * hole_kinds]);
+    }
+
+    bool shows_gauge(std::size_t turn) const {
+        return arms_ || sparse_.empty() || sparse_[turn] == 0.0 || chained_.seen[turn] >= least_seen_of_gauge;
     }
 
     HoleKind likeliest(std::size_t turn) const {

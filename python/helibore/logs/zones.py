@@ -2,8 +2,8 @@
 
 `helibore.logs.zone_criteria` defines the kinds; every output states the criteria. The core finds the zones
 (``zones.hpp``): a run of turns of one kind becomes a zone if it is long enough. A turn is of no kind if it lacks a
-radius or if less than half of it has samples near; but few arms that turn slowly show the kinds together, and those of
-the diameters that they measured, however few.
+radius or if less than half of it has samples near; but few arms that turn slowly show hazards together, and the kinds
+of the diameters that they measured, however few.
 
 Then the sections of a few of its turns, as the samples show them, are compared with a library of sections
 (``kinds.hpp``). The zone states the probability of its kind as ``confidence``: from `SURE` on outputs draw it

@@ -128,6 +128,9 @@ class Reference:
             return of.c1[turn] - BIT
         return of.lobe1_height[turn] if sparse and not self.arms else self.heights(turn)[1]
 
+    def shows_gauge(self, turn: int) -> bool:
+        return self.arms or self.along is None or not self.sparse[turn] or bool(self.along.seen[turn] >= 13)
+
     def kind(self, turn: int) -> int:
         of, criteria = self.logs, self.criteria
         if self.along is not None and self.sparse[turn]:
@@ -312,7 +315,7 @@ def test_zones_are_those_of_the_rules_turn_by_turn(tool: str, shape: str, keen: 
     logs = found.logs
     of = Reference(wall, logs, criteria, diameters=tool == "X-Y")
     kinds = [of.kind(turn) for turn in range(len(logs))]
-    wanted, expected = [min(kind, GAUGE) for kind in kinds], []
+    wanted, expected = [GAUGE if kind >= 0 and of.shows_gauge(turn) else -1 for turn, kind in enumerate(kinds)], []
     for code, run in of.runs(kinds):
         inside = [turn for turn in run if kinds[turn] == code]
         confidence = of.confidence(code, inside)

@@ -371,6 +371,19 @@ def test_few_arms_that_turn_slowly_show_one_long_breakout(arms: int) -> None:
     assert (zone.start, zone.stop) == pytest.approx((10, 30), abs=2.0)
 
 
+def test_three_sensors_that_do_not_turn_do_not_show_that_a_hole_is_gauge() -> None:
+    """A breakout goes on between them, where none of them looks."""
+    random = np.random.default_rng(8)
+    depth = np.r_[np.sort(random.uniform(0, 6, 3000)), np.repeat(np.arange(6, 12, 0.05), 3)]
+    toolface = np.r_[random.uniform(0, 360, 3000), np.tile([0.0, 120.0, 240.0], 120)]
+    away = (toolface - 90 + 90) % 180 - 90
+    lobes = 0.03 * np.maximum(np.cos(np.radians(4.5 * np.clip(away, -20, 20))), 0) * (depth > 3)
+    found = hb.reconstruct(hb.Caliper(depth, toolface, 0.109 + lobes), bit_diameter=BIT).zones()
+    stands = found.logs.depth > 6.3
+    assert KINDS.index("gauge") not in found.kind[stands]
+    assert KINDS.index("gauge") in found.kind[~stands]
+
+
 @pytest.mark.parametrize(("arms", "stop"), [((92,), 2120.1), ((0, 90, 180, 270), 2123.0)])
 def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, ...], stop: float) -> None:
     """The wall between is interpolated; it once was a washout of 47 mm. Four sensors show that the breakout goes on."""
