@@ -342,12 +342,16 @@ class Alarms:
         return {("tight_ahead", ""): self._tight.text}
 
     def _hang_up(self) -> None:
-        """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of data."""
+        """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of data.
+
+        What the webhook sent before that counts. So only reading ends: if both ways ended, its next byte would reset
+        the connection, and whether a line with the status 200 is delivered would depend on which thread runs first.
+        """
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
                 if (link := connection.sock) is not None:  # None before it connects and after it closes
                     with contextlib.suppress(OSError):
-                        socket.socket.shutdown(link, socket.SHUT_RDWR)
+                        socket.socket.shutdown(link, socket.SHUT_RD)
 
     def begin(self, rule: str, text: str, source: str = "") -> None:
         """Begin an alarm, unless an alarm of the same rule and source has begun and not ended."""

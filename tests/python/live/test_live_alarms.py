@@ -543,9 +543,9 @@ def test_a_late_webhook_without_a_socket_does_not_end_the_watch():
     assert not alarms.active
 
 
-def unread(link):
-    """Return the number of bytes that came over a socket and were not read yet."""
-    return struct.unpack("i", fcntl.ioctl(link.fileno(), termios.FIONREAD, bytes(4)))[0]
+def waiting(link, way):
+    """Return the number of bytes that wait at a socket: received (FIONREAD) or sent (TIOCOUTQ), and not read there."""
+    return struct.unpack("i", fcntl.ioctl(link.fileno(), way, bytes(4)))[0]
 
 
 @pytest.mark.parametrize(("head", "undelivered"), [(b"", 1), (b"HTTP/1.1 200 OK\r\nX: ", 0)])
@@ -561,6 +561,7 @@ def test_a_webhook_that_drips_its_answer_is_ended_in_time(monkeypatch, head, und
             with link, contextlib.suppress(OSError):
                 link.recv(65536)
                 link.sendall(head)
+                until(lambda link=link: not waiting(link, termios.TIOCOUTQ))  # it is at the other end
                 begun.put(link)
                 while True:
                     link.sendall(b"x")
@@ -578,7 +579,9 @@ def test_a_webhook_that_drips_its_answer_is_ended_in_time(monkeypatch, head, und
         for number in (1, 2):
             begun.get(timeout=PATIENCE)
             _, made = alarms._posting
-            until(lambda made=made: made[0].sock is None or not unread(made[0].sock))  # it has the status
+            until(
+                lambda made=made: made[0].sock is None or not waiting(made[0].sock, termios.FIONREAD)
+            )  # it has the status
             alarms._posting = -math.inf, made  # it began long ago
             until(lambda number=number: alarms.check() or len(ended) == number)  # the watch thread checks
         alarms.close()
