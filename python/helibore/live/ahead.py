@@ -140,6 +140,8 @@ class Outlook:
         metres, down to the bottom of the hole; None: all hole was seen up to where it sticks, or as far as is looked.
     hangs
         Whether the bit has not moved on for some time, or may only heave.
+    same
+        Minutes in which bit depths came and did not change.
     """
 
     up: TightAhead | None
@@ -148,6 +150,7 @@ class Outlook:
     moving: str
     unseen: tuple[tuple[tuple[float, float] | None, ...], ...] = ()
     hangs: bool = False
+    same: int = 0
 
 
 class Ahead:
@@ -161,6 +164,7 @@ class Ahead:
         self._up = True  # whether it moves up, but for heave
         self._last, self._since = math.nan, 0  # where the bit moved on last, and when
         self._took = 0  # nanoseconds that it took to move on
+        self._bit, self._changed = math.nan, 0  # the newest bit depth, and when it changed last
         self._newest, self._came = list[int](), 0  # the frame of the newest bit depth, and when it came
         self._due = 0.0
         self._known: object = None  # the wall of which `_bodies` are known, between the depths `_ends`
@@ -194,6 +198,8 @@ class Ahead:
             self._follow(bit[0], now)
         if not abs(bit[0] - self._last) < MOVES_ON:
             self._took, self._last, self._since = now - self._since, bit[0], now
+        if bit[0] != self._bit:
+            self._bit, self._changed = bit[0], now
         newest = model.rig.tracks["bit_depth"].order[-1:].tolist()
         if newest != self._newest or model.rig.at_rest:
             self._newest, self._came = newest, now
@@ -286,7 +292,8 @@ class Ahead:
         room = ahead, min(ahead, max(0.0, hole[0] - bit)) if hole else ahead  # the bit moves no deeper than the hole
         bottom = min(hole[0] if hole else bit + ahead, self._seen_to)
         unseen = tuple(self._unseen(body, bit, bottom, room, of) for body, of in zip(self._string, at, strict=True))
-        return Outlook(*sides, at, moving, unseen, self._hangs)
+        same = max(0, self._came - self._changed) // (60 * SECOND)
+        return Outlook(*sides, at, moving, unseen, self._hangs, same)
 
     def _side(self, places: Sequence[Sequence[Place]], bit: float, up: bool) -> TightAhead | None:
         """Return what is tight above or below the bit, from the places of each body; None if nothing is.

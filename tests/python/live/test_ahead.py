@@ -205,6 +205,21 @@ def test_a_bit_that_hangs_may_move_either_way_and_its_alarm_stays():
     assert trip.alarms.ahead.outlook.moving == "up"
 
 
+def test_the_minutes_in_which_bit_depths_come_and_do_not_change_are_counted():
+    trip = Trip()
+    trip.to(140.0)  # on bottom, or the depth is stuck: nothing that is sent says which
+    for _ in range(61 // 5):
+        trip.to(140.0)
+    assert trip.alarms.ahead.outlook.same == 1
+    trip.clock.step(300)
+    trip.alarms.check()
+    assert trip.alarms.ahead.outlook.same == 1, "nothing comes: nobody knows whether it changes"
+    trip.to(140.0)
+    assert trip.alarms.ahead.outlook.same == 6
+    trip.to(140.01)
+    assert trip.alarms.ahead.outlook.same == 0
+
+
 @pytest.mark.parametrize("speed", [0.1, 0.5])
 def test_a_string_that_moves_slowly_is_not_at_rest(speed):
     """Metres a minute, as when a string is washed down or backreamed."""

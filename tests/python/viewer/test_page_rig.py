@@ -792,6 +792,10 @@ def test_data_that_come_later_than_usual_turn_the_lamp_and_old_ones_pale_the_pag
         hangs = {"up": None, "down": None, "bodies": (), "moving": "", "hangs": True}
         scene.update_state(hole_depth=1040.0, ahead=hangs)
         screen.until("document.getElementById('rigAgeMore').textContent === 'at rest, last radius 4 min old'")
+        assert screen.inner_text("#rigBitHead") == "Bit depth, at rest"
+        scene.update_state(bit_depth=1040.0, ahead=hangs | {"same": 6})
+        screen.until("document.getElementById('rigBitHead').textContent === 'Bit depth, on bottom, same for 6 min'")
+        scene.update_state(bit_depth=1033.4)
         scene.update_state(ahead=hangs | {"moving": "up", "hangs": False})
         screen.until("document.getElementById('rigAgeMore').textContent === 'last radius 4 min old'")
         scene.update_state(hole_depth=float("nan"), ahead=None)

@@ -59,7 +59,8 @@ export function writeDigits(app) {
   const off = bit === null || hole === null ? NaN : hole - bit;
   const lifted = off > LIFTED && `${showDepth(off, units, 1)} off bottom, hole ${showDepth(hole ?? NaN, units, 1)}`;
   const moves = isStale(app) ? '' : ahead?.moving ? `, going ${ahead.moving}` : off <= LIFTED ? ', on bottom' : lifted && ahead?.hangs ? ', at rest' : '';
-  cell('rigBit', `Bit depth${moves}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? NEVER_BIT : lifted || trueDepth);
+  const same = moves && ahead?.same ? `, same for ${ahead.same} min` : ''; // a depth that does not change any more may be stuck
+  cell('rigBit', `Bit depth${moves}${same}`, ...parts(showDepth(bit ?? NaN, units, 1)), bit === null ? NEVER_BIT : lifted || trueDepth);
   writeData(app);
   writeWorst(app);
   hide(!app.string, 'rigBodies');

@@ -119,7 +119,7 @@ interface Handshake {
 interface ListedWell { name: string; address: string; length: number; head: Vector | null } // one of several wells
 type TightPlace = [top: number, bottom: number, passes: number, sticksAt: number, first: string, tightest: number, body: number, sure?: number | null, within?: number | null, most?: boolean]; // how sure it is that the string sticks, half the interval of what passes, and whether it passes at most
 interface TightAhead { places: TightPlace[] } // from that which the string meets first
-interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; hangs?: boolean; unseen?: (Pair | null)[][] }
+interface Outlook { up: TightAhead | null; down: TightAhead | null; bodies: [up: number | null, down: number | null][]; moving: '' | 'up' | 'down'; hangs?: boolean; same?: number; unseen?: (Pair | null)[][] }
 type Way = 'up' | 'down';
 interface Meeting { left: number; first: string; way: Way }
 interface FirstPlace { start: number; stop: number; measure: number; zone: Zone | null; sure: number; way: Way | ''; left: number; first: string; tight: boolean; may?: boolean; within?: number; most?: boolean; fresh?: boolean } // left: metres until `first` meets it
