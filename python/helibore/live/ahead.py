@@ -338,9 +338,9 @@ class Ahead:
         return max(above, default=None), min(below, default=None)
 
     def _stretch(self, top: float, bottom: float, beyond: float, wall: WallState | None = None) -> WallState | None:
-        """Return the whole turns of the wall between two depths, with the samples that decide what is sampled there.
+        """Return the turns of the wall between two depths, with the samples that decide what is sampled there.
 
-        Turns that the wall does not have, up to so many metres beyond its ends, are without a radius; None if it has
+        Vertices that the wall does not have, up to so many metres beyond its ends, are without a radius; None if it has
         none of them.
         """
         wall = wall or self._live.wall._state()
@@ -348,9 +348,9 @@ class Ahead:
         start_depth = float(wall.start_depth)
         first, stop = sorted((end - start_depth) / pitch for end in (top, bottom))
         first, stop = math.floor(first) - 1, math.ceil(stop) + 1  # whole bodies, at the first and the last place
-        held, more = wall.radius.size // K, math.ceil(beyond / abs(pitch)) + 2
-        first, stop = max(first, -more), min(stop, held + more)
-        own = slice(K * min(max(first, 0), held), K * min(max(stop, 0), held))
+        held, more = wall.radius.size, math.ceil(beyond / abs(pitch)) + 2
+        first, stop = max(first, -more), min(stop, math.ceil(held / K) + more)  # the last turn may be cut
+        own = slice(min(K * max(first, 0), held), min(K * max(stop, 0), held))
         if own.start >= own.stop:
             return None
         lack = (own.start - K * first, K * stop - own.stop)

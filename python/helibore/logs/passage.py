@@ -277,12 +277,12 @@ def hanging_at(
     clearance is that of the bodies beside the wall. ``sampled`` and ``sigma`` are those of `Wall`, one for each radius.
     """
     helix, radius = whole_helix(wall), column("radius", wall.radius)
-    K, turns = helix.sectors, radius.size // helix.sectors
+    K = helix.sectors
     length = max(body.position + body.length for body in string)
     ends = ((end - helix.start_depth) / helix.pitch - helix.first / K for end in (lower_end - length, lower_end))
     first, stop = sorted(ends)
     first, stop = math.floor(first) - 2, math.ceil(stop) + 2
-    own = slice(K * min(max(first, 0), turns), K * min(max(stop, 0), turns))
+    own = slice(min(K * max(first, 0), radius.size), min(K * max(stop, 0), radius.size))  # the last turn may be cut
     if own.start >= own.stop:
         return None
     lack = (own.start - K * first, K * stop - own.stop)

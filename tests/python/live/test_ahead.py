@@ -237,6 +237,20 @@ def test_a_string_that_moves_slowly_is_not_at_rest(speed):
     assert (outlook.moving, outlook.hangs) == ("", True)
 
 
+@pytest.mark.parametrize("stop", [125.13, 125.16, 125.18, 125.25])
+def test_tight_hole_beside_the_last_turn_is_found_though_the_tool_stopped_within_this_turn(stop):
+    trip = Trip()
+    depth = np.arange(125.0, stop, 0.0005)
+    trip.clock.step(60)
+    trip.live.append_samples(depth, depth * 9000 % 360, np.where(depth > stop - 0.08, 0.099, 0.109))
+    assert len(trip.live.wall) % trip.live.wall.settings.sectors
+    for bit in (130.0, 129.0, 128.0):
+        trip.to(bit)
+    tight = trip.alarms.ahead.outlook.up.places[0]
+    assert tight.top > 124.8
+    assert tight.passes < 0.202
+
+
 def noisy(trip: Trip, diameter: float, noise: float = 0.0) -> None:
     """Scan the hole from 114 to 116 m again, a minute after all that came before."""
     trip.clock.step(60)

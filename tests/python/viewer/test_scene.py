@@ -500,6 +500,17 @@ def test_a_string_has_its_clearance_at_each_depth_of_its_lower_end() -> None:
     assert abs(tightest - 2006) < 0.7
 
 
+def test_a_string_has_its_clearance_beside_a_last_turn_that_is_not_whole() -> None:
+    depth = np.arange(2000.0, 2012.06, 0.0005)
+    radius = np.where(depth > 2011.94, 0.099, 0.108)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216, sectors=64, pitch=0.1)
+    assert wall.radius.size % 64
+    feed = Feed(wall, path=None, attributes={}, well="", string=(hb.RigidBody(0.2, 0.3),))
+    feed.find_zones()
+    assert feed.scene.curves["Clearance"].depth[-1] == wall.depth[-1]
+    assert feed.scene.curves["Clearance"].values[-1] == pytest.approx(-0.002, abs=2e-4)
+
+
 def test_each_body_of_the_string_clears_what_the_wall_says_as_far_as_it_is_measured() -> None:
     depth = np.arange(2000.0, 2030.0, 0.002)
     radius = 0.108 + 0.001 * np.sin(depth) - 0.004 * (abs(depth - 2012) < 0.5)
