@@ -368,6 +368,26 @@ def test_a_cleft_is_darker_from_inside_the_deeper_it_is(browser: Any) -> None:
     assert 0.12 < light[-1] < 0.45, "its ground is dark, and seen"
 
 
+def test_the_ground_of_a_key_seat_is_no_dark_line_from_inside(browser: Any) -> None:
+    """Of one colour everywhere. The groove of a pipe of 120 mm is no cleft: its ground is as light as its sides."""
+    wall = MadeWall(80_000, pitch=0.005)
+    away = np.radians((wall.toolface + 180) % 360 - 180)
+    middle = BIT / 2 + 0.030 - 0.060
+    chord = 0.060**2 - (middle * np.sin(away)) ** 2
+    groove = middle * np.cos(away) + np.sqrt(np.maximum(chord, 0.0))
+    wall.radius = np.where((chord > 0) & (np.cos(away) > 0), np.maximum(BIT / 2, groove), BIT / 2)
+    with hb.view(wall, path=curved_path()) as viewer:
+        screen = Screen(
+            browser, viewer.url, "#md=1002&sec=2&camera=down&quantity=over&range=-900_900&tab=3d", (1366, 768)
+        )
+        screen.settle()
+        light = screen.pixels("wall")[:, :, :3].mean(axis=-1)
+        x, y = (round(one) for one in screen.evaluate(WALL_PLACE % (0.0, 1001.5)))
+        beside = round(screen.evaluate(WALL_PLACE % (12.0, 1001.5))[0])
+        screen.close()
+    assert light[y, x] > 0.9 * light[y, beside]
+
+
 # Where a place of the wall is on the 3-D view, from a toolface and a depth.
 WALL_PLACE = (
     "(({ path, store, renderer: { gpu, rects: { wall } } }, toolface, depth) => {"

@@ -194,10 +194,13 @@ void main() {
   wall = 0.0;
   if (median == 0 && r > 0.0) {
     int across = max(K / 24, 1), along = K * max(stride, int(bitRadius / abs(pitch)));
-    vec4 far = around(at, across, along);
-    far = mix(around(at, 2 * across, 2 * along).yxwz, far, step(0.0, far)); // at the end of a tile, where one side is missing, twice as far on the other
+    vec4 far = around(at, across, along), twice = around(at, 2 * across, 2 * along);
+    far = mix(twice.yxwz, far, step(0.0, far)); // at the end of a tile, where one side is missing, twice as far on the other
     far = mix(vec4(r), far, step(0.0, far));
-    wall = min(max(far.x, far.y), max(far.z, far.w)); // a cleft has narrower wall on two opposite sides, a ledge has it on one
+    twice = mix(far, twice, step(0.0, twice));
+    vec2 beside = max(far.xz, far.yw); // a cleft has narrower wall on two opposite sides, a ledge has it on one
+    beside += max(vec2(0.0), beside - max(twice.xz, twice.yw)); // and no narrower twice as far: the ground of a groove is none
+    wall = min(beside.x, beside.y);
     if (at > K && at < K * rows) r = 0.5 * r + 0.125 * dot(mix(vec4(r), near, step(0.0, near)), vec4(1.0)); // an edge is seen from near: round off its steps, but not where the next tile has to meet this one
   }
   float R = exaggerated(r);
