@@ -198,7 +198,7 @@ def view(
     wall
         A `helibore.Wall`. The viewer reads it and never changes it.
     path
-        The `helibore.Path` of the hole; None: the page draws the hole straight down.
+        The `helibore.Path` of the hole; None: that of the wall. Without either, the page draws the hole straight down.
     plan
         The `helibore.Path` as it was planned: a dashed line beside the hole, and in its plan.
     attributes
@@ -210,7 +210,7 @@ def view(
     template
         Which tracks the page shows at first, in which order and how wide.
     reference
-        The direction of toolface 0, for a wall without `path`: the page then names the sides of the hole. None: the
+        The direction of toolface 0, for a hole without a path: the page then names the sides of the hole. None: the
         reference that the images of the wall state, if they state one.
     picks_file
         The file in which the page saves picks, as `Picks.save` does. ``wall.picks`` has the picks in any case. If the
@@ -257,6 +257,7 @@ def view(
     from helibore.wall.wall import Wall
 
     refuse_table(wall, "wall")
+    path = getattr(wall, "path", None) if path is None else path
     values: dict[str | Attribute, npt.ArrayLike] = dict(attributes_of(wall) if attributes is None else attributes)
     curves = list(curves)
     if beside:

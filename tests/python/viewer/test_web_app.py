@@ -419,6 +419,11 @@ def test_what_cannot_be_viewed_is_said(golden: Golden) -> None:
     short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
     with golden.raises():
         hb.view(wall, path=short)
+    depth = np.arange(1000.0, 1005.0, 0.01)
+    beyond = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, 0.108 + 0 * depth), bit_diameter=0.216)
+    beyond.path = short
+    with golden.raises():
+        hb.view(beyond)
     with golden.raises():
         hb.view(MadeWall(0))
     viewer = hb.view(wall, attributes={Attribute("GR", "gAPI"): np.ones(4935)})
@@ -611,7 +616,8 @@ def test_the_difference_to_another_well_is_not_offered(east: float, names: list[
     for head in ((0.0, 0.0, 0.0), (0.0, east, 0.0)):
         walls.append(hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, 0.108 + 0 * depth), bit_diameter=0.216))
         walls[-1].path = survey.path(head=head)
-    with hb.view(walls[0], path=walls[0].path, beside={"B": walls[1]}) as viewer:
+    with hb.view(walls[0], beside={"B": walls[1]}) as viewer:
+        assert viewer.scene.path is walls[0].path, "that of the wall, unless another is given"
         assert [one.name for one in viewer.scene.shape.attributes] == names
 
 
