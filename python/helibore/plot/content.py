@@ -21,10 +21,10 @@ import numpy as np
 
 from helibore.base.arrays import Array, Floats
 from helibore.base.cached import cached_property
-from helibore.base.color_limits import over_bit
+from helibore.base.color_limits import over_bit, wall_limit
 from helibore.base.colors import ColorScale, customary_map
 from helibore.base.errors import InputError
-from helibore.base.units import size_text
+from helibore.base.units import MILLIMETRE, size_text
 from helibore.images.normalization import above_zero, image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
@@ -445,7 +445,10 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
     """
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale; log and window do not apply")
-    over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
+    of = wall.settings
+    over, scale = over_bit(
+        wall.radius, of.bit_diameter, of.sectors, of.pitch, look.color_map, look.limits, LENGTHS[unit]
+    )
     remark = f"wall, {wall.settings.sectors} sectors"
     inside = (wall.depth >= top) & (wall.depth <= bottom)
     return Shown(RADIUS_TITLE, unit, scale, remark, False, *_count_beyond(over[inside], scale.low, scale.high)), over
@@ -495,14 +498,19 @@ def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Show
 def _diameter_limits(
     walls: Sequence[tuple[Wall, Diameters]], top: float, bottom: float, drawing: Drawing
 ) -> tuple[float, float]:
-    """Return the diameters at the edges of the caliper tracks, in the drawing's unit, the same for all ``walls``."""
+    """Return the diameters at the edges of the caliper tracks, in the drawing's unit, the same for all ``walls``.
+
+    What the colours of the radius do not reach, such as an open fracture, does not widen the tracks.
+    """
     length = LENGTHS[drawing.size_unit]
     drawn = []
     for wall, turns in walls:
+        of = wall.settings
+        reach = 2 * wall_limit(wall.radius - 0.5 * of.bit_diameter, of.sectors, of.pitch, MILLIMETRE)
         inside = (turns.depth >= top) & (turns.depth <= bottom)
-        drawn += [turns.area[inside], np.array([wall.settings.bit_diameter])]
-        if wall.basis == "azimuthal":
-            drawn += [turns.least[inside], turns.greatest[inside]]
+        columns = [turns.area, turns.least, turns.greatest] if wall.basis == "azimuthal" else [turns.area]
+        drawn += [np.clip(column[inside], of.bit_diameter - reach, of.bit_diameter + reach) for column in columns]
+        drawn.append(np.array([of.bit_diameter]))
     return nice_limits(np.concatenate(drawn) / length, walls[0][0].settings.bit_diameter / length, 0.01 / length)
 
 

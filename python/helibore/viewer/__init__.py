@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
-from helibore.base.color_limits import symmetric_limit
+from helibore.base.color_limits import wall_limit
 from helibore.base.errors import InputError
 from helibore.base.identity import Access, find_token
 from helibore.base.tables import refuse_table
@@ -413,7 +413,9 @@ def of_other(
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = symmetric_limit(over, MILLIMETRE)  # the same limit, hence the same colours, for all walls
+    limit = wall_limit(
+        over, wall.settings.sectors, wall.settings.pitch, MILLIMETRE
+    )  # the same limit, hence the same colours, for all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     radius = other.at(own.depth, own.toolface).radius
     values: dict[Attribute, npt.ArrayLike] = {attribute: radius - 0.5 * other.settings.bit_diameter}

@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Mask, column, distinct, joined, numbers, runs_of
-from helibore.base.color_limits import percentile_limits, symmetric_limit
+from helibore.base.color_limits import percentile_limits, symmetric_limit, wall_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
@@ -275,7 +275,8 @@ class Feed:
             read = self._wall.vertices(self._first, self._first + len(self._wall))
             bit = self._shape.bit_diameter / 2
             self._young |= len(read.radius) < few
-            limit = max(symmetric_limit(read.radius - bit, MILLIMETRE), USUAL_LIMIT if self._young else 0.0)
+            limit = wall_limit(read.radius - bit, self._shape.sectors, self._shape.pitch, MILLIMETRE)
+            limit = max(limit, USUAL_LIMIT if self._young else 0.0)
             nearest = symmetric_limit(numbers(read.nearest), MILLIMETRE)
             ranges |= {"over": (-limit, limit), "radius": (bit - limit, bit + limit), "nearest": (0.0, nearest)}
             self._chosen |= {"over"} if len(read.radius) >= few else set()

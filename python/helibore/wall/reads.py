@@ -419,7 +419,7 @@ class WallReads:
         sectors, radius = self.settings.sectors, self.radius
         if len(radius) < sectors:
             return card(repr(self), {}, "")
-        over, scale = over_bit(radius, self.settings.bit_diameter)
+        over, scale = over_bit(radius, self.settings.bit_diameter, sectors, self.settings.pitch)
         turns = over[: len(over) // sectors * sectors].reshape(-1, sectors)
         picture = map_picture(turns, scale, "radius over bit size by depth and toolface")
         return card("Wall", self.summary().numbers(), picture)

@@ -175,7 +175,10 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
             assert bits == digest(np.frombuffer(curve_bytes(curves[name]), np.uint8)), (file.name, name)
         found_zones = wall.zones()
         assert one["kinds"] == digest(found_zones.kind.astype(np.int32)), file.name
-        assert one["zones"] == shown_zones(wall), file.name
+        feed = Feed(wall, path=None, attributes={}, well="")
+        assert one["zones"] == shown_zones(feed), file.name
+        for name, ends in feed.scene.state.ranges.items():
+            assert one["ranges"][name] == pytest.approx(ends), (file.name, name)
         assert one["shape"] == found_zones.logs.shape
         grown = history_of(wall) or History()
         assert one["history"] == grown.as_columns(), file.name
@@ -218,9 +221,8 @@ def mesh_digest(wall: hb.Wall, start: float, stop: float, file: Path) -> str:
     return hashlib.sha256(content[20 + int.from_bytes(content[12:16], "little") :]).hexdigest()
 
 
-def shown_zones(wall: hb.Wall) -> list[dict[str, Any]]:
+def shown_zones(feed: Feed) -> list[dict[str, Any]]:
     """The zones as the live page gets them, without the intervals of their sizes, which only rig mode names."""
-    feed = Feed(wall, path=None, attributes={}, well="")
     feed.find_zones()
     return [{name: of for name, of in zone.items() if name != "within"} for zone in feed.scene.state.zones]
 

@@ -375,6 +375,35 @@ def test_a_gauge_hole_does_not_look_rough_beside_its_washout(browser: Any) -> No
         screen.close()
 
 
+@pytest.mark.parametrize(("gash", "reach"), [(0.0, 216.0), (0.05, 264.0)])
+def test_an_open_fracture_does_not_stretch_the_colours_and_the_caliper(browser: Any, gash: float, reach: float) -> None:
+    """What is a few centimetres long along the hole is written at the edge; the rest of the hole keeps its relief."""
+    depth = np.arange(2000.0, 2020.0, 0.0005)
+    toolface = depth * 36000 % 360
+    along = depth - 2010.0 - BIT * np.cos(np.radians(toolface - 35))
+    radius = 0.5 * BIT + 0.0025 * np.cos(np.radians(2 * toolface)) + gash * (np.abs(along) < 0.04)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT)
+    content = content_of(wall, Drawing(unit="mm", polar=(), body=()))
+    caliper, image = content.tracks[1:3]
+    assert (image.shown.scale.low, image.shown.scale.high) == (-3.0, 3.0)  # type: ignore[union-attr]
+    assert caliper.limits[1] <= 225  # type: ignore[union-attr]
+    with hb.view(wall) as viewer:
+        assert viewer.scene.state.ranges["over"] == pytest.approx((-0.003, 0.003))
+        screen = Screen(browser, viewer.url, "#md=2010&sec=20", (1366, 768), drawn=False)
+        left, width = screen.evaluate("(({ left, width }) => [left, width])(window.__wall.app.renderer.rects.caliper)")
+        inside = [
+            one["text"]
+            for one in screen.evaluate("document.getElementById('ink').labels")
+            if left <= one["left"] and one["right"] <= left + width
+        ]
+        low, high = (float(text) for text in inside if text.isdigit())
+        assert 205 <= low < 216 < high <= 225
+        beyond = [float(text.split()[0]) for text in inside if text.endswith("→")]
+        assert bool(beyond) == bool(gash)
+        assert all(value > reach for value in beyond)
+        screen.close()
+
+
 def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any) -> None:
     wall = MadeWall(20_000)
     wall.radius[:] = BIT / 2

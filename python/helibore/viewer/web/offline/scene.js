@@ -146,14 +146,34 @@ export function numbered(message, sequence) {
   return message;
 }
 
+// Return the value below which a share of sorted values lies; 0 if there is none.
+/** @param {Float64Array} sorted @param {number} share */
+function percentile(sorted, share) {
+  const place = share * (sorted.length - 1);
+  const low = Math.floor(place);
+  return sorted.length ? sorted[low] + (place - low) * ((sorted[low + 1] ?? sorted[low]) - sorted[low]) : 0;
+}
+
+// Return the limit of the scale of a wall: 98 % of the distances from half the bit size lie within, and 99.8 % of the medians of
+// each sector in each half metre (color_limits.py).
+/** @param {Float64Array} distances @param {number} sectors @param {number} pitch */
+function wallLimit(distances, sectors, pitch) {
+  const rows = Math.max(Math.round(0.5 / Math.abs(pitch)), 1);
+  const parts = Math.floor(distances.length / (rows * sectors));
+  const block = new Float64Array(rows);
+  const lasting = Float64Array.from({ length: parts * sectors }, (_, at) => {
+    const first = Math.floor(at / sectors) * rows * sectors + (at % sectors);
+    return block.map((__, row) => distances[first + row * sectors]).sort()[rows >> 1];
+  });
+  const most = percentile(distances.filter(Number.isFinite).sort(), 0.98);
+  return Math.max(symmetricLimit(parts ? lasting : distances, 1e-3), symmetricLimit(new Float64Array([most]), 1e-3));
+}
+
 // Return the limit of a scale around 0: `unit` times 1, 2, 3 or 5 times a power of ten; 99.8 % of the values lie within.
 /** @param {Float64Array} values @param {number} unit */
 function symmetricLimit(values, unit) {
   const there = values.filter(Number.isFinite).map(Math.abs).sort();
-  const place = 0.998 * (there.length - 1);
-  const low = Math.floor(place);
-  const at = there.length ? there[low] + (place - low) * ((there[low + 1] ?? there[low]) - there[low]) : 0;
-  const reach = Math.max(at / unit, 1);
+  const reach = Math.max(percentile(there, 0.998) / unit, 1);
   const power = 10 ** Math.floor(Math.log10(reach) + 1e-9);
   return unit * power * ([1, 2, 3, 5, 10].find((step) => step * power >= reach * (1 - 1e-9)) ?? 10);
 }
@@ -193,7 +213,7 @@ export function sceneOf(shape, vertices, frames = straight) {
   const size = vertices.radius.length;
   const wall = { sectors, rows, texels: packed(vertices, unit), size };
   const over = overviewOf(wall);
-  const off = symmetricLimit(vertices.radius.map((radius) => radius - bit / 2), 1e-3);
+  const off = wallLimit(vertices.radius.map((radius) => Math.abs(radius - bit / 2)), sectors, pitch);
   const limit = Math.max(off, size < FEW_TURNS * sectors ? USUAL_LIMIT : 0);
   const hello = {
     type: 'handshake', version: 2, session: randomKey(), well: shape.well, basis: shape.basis, basis_text: shape.basisText, reference: shape.reference, assumed: false,

@@ -1,7 +1,7 @@
 // The caliper track: the diameters by which zones are judged. C1 is a solid line, C2 a dashed
 // line, bit size black dashes. Orange fills from bit size to C2, pale orange from C2 to C1, blue from the least diameter to bit
 // size. Turns without a diameter are
-// hatched; turns interpolated between arms are hatched sparsely.
+// hatched; turns interpolated between arms are hatched sparsely. What lies beyond the scale is written at its edge.
 
 import { rowAt } from './curves.js';
 import { BOLD, depthAt, fitting, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
@@ -9,6 +9,8 @@ import { niceStep } from './lod.js';
 import { edges, hatched, line, sharp, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
+
+const LASTING = 0.25; // metres that are seen in the scale in any case
 
 // Returns the least diameter and the greatest C1 and C2 of the turns under each pixel row, as {min, max, c2, seen, between};
 // of a turn with a missing radius, the least and the greatest diameter that are known. `seen` is 0 beyond the wall; `between`
@@ -19,7 +21,7 @@ export function profile({ store, view, imagePieces, rects, arms }) {
   const rows = Math.ceil(rect.height);
   const [min, max, c2] = [0, 1, 2].map(() => new Float32Array(rows).fill(NaN));
   const [seen, between] = [0, 1].map(() => new Uint8Array(rows));
-  const found = { min, max, c2, seen, between };
+  const found = { min, max, c2, seen, between, rows: Math.ceil((rows * LASTING) / (view.bottom - view.top)) + 1 };
   for (const { tile, top, bottom } of imagePieces) {
     const turns = tileTurns(store, tile, view.pass === 'first');
     const { pitch } = tile.level;
@@ -54,11 +56,12 @@ function widen({ min, max, c2 }, y, turns, row) {
 
 // Return the lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. The scale
 // covers the diameters that the colours of the radius cover (`low` to `high` over bit radius), so that a hole of bit size looks
-// as smooth as its image, and the tightest and the widest turn in view.
-/** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {{ low: number, high: number }} colours @param {number} [per] */
-export function scaleFor(bit, { min, max }, { low, high }, per = 1000) {
-  const widest = max.reduce((most, value) => (value > most ? value : most), bit + 2 * Math.max(high, 0.02 * bit));
-  const tightest = min.reduce((least, value) => (value < least ? value : least), bit + 2 * Math.min(low, -0.02 * bit));
+// as smooth as its image, and what lasts in view: the widest C2 and the tightest diameter that `rows` pixel rows together have.
+/** @param {number} bit @param {Profile} of @param {{ low: number, high: number }} colours @param {number} [per] */
+export function scaleFor(bit, { min, c2, rows }, { low, high }, per = 1000) {
+  const lasting = (/** @type {Float32Array} */ values, /** @type {'min' | 'max'} */ end) => values.map((_, y) => Math[end](...values.subarray(y, y + rows))).filter(Number.isFinite);
+  const widest = Math.max(bit + 2 * Math.max(high, 0.02 * bit), ...lasting(c2, 'min'));
+  const tightest = Math.min(bit + 2 * Math.min(low, -0.02 * bit), ...lasting(min, 'max'));
   return linesOf(tightest, widest, per);
 }
 
@@ -99,6 +102,9 @@ export function drawCaliper(ink, look, scale) {
   curve(ink, rect, c2, x, palette.max, ACROSS);
   curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
   line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
+  const show = sizeIn(view);
+  farthest(max, (a, b) => a > b, high, (y) => label(ink, `${show(max[y])} →`, rect.left + rect.width - 2, rect.top + y, { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL }));
+  farthest(min, (a, b) => a < b, low, (y) => label(ink, `← ${show(min[y])}`, rect.left + 2, rect.top + y, { colour: palette.ink, halo: palette.paper, font: SMALL }));
   ink.restore();
   edges(ink, sharp(rect), palette.line);
   head(ink, look, rect, [low, bit, high], x, palette);
@@ -118,7 +124,7 @@ function fill(ink, top, sizes, from, to, colour) {
   ink.fill();
 }
 
-/** @param {Uint8Array} uint8Array @param {(y: number) => unknown} isIn @param {(start: number, tall: number) => void} draw */
+/** @param {{ length: number }} rows @param {(y: number) => unknown} isIn @param {(start: number, tall: number) => void} draw */
 function runs({ length }, isIn, draw) {
   for (let y = 0; y < length; y++) {
     const start = y;
@@ -126,6 +132,22 @@ function runs({ length }, isIn, draw) {
     if (y > start) draw(start, y - start);
   }
 }
+
+const APART = 14; // pixels from one number to the next
+
+// Call `write` for the farthest row of each stretch of rows that are beyond an end of the scale.
+/** @param {Float32Array} values @param {(a: number, b: number) => boolean} isFarther @param {number} end @param {(y: number) => void} write */
+function farthest(values, isFarther, end, write) {
+  runs(values, (y) => values.subarray(y, y + APART).some((value) => isFarther(value, end)), (start, tall) => {
+    let at = -1;
+    for (let y = start; y < start + tall + APART; y++) if (isFarther(values[y], values[at] ?? end)) at = y;
+    write(at);
+  });
+}
+
+// Return a function that writes a diameter in the units of the view: 216, 157.5; 8.5, 12.25.
+/** @param {Look['view']} view @returns {(size: number) => string} */
+const sizeIn = ({ units }) => (size) => String(Number((size * LENGTHS[units].scale).toFixed(units === 'mm' ? 1 : 3)));
 
 export const ACROSS = [3, 2]; // dashes of C2, as in print
 
@@ -149,9 +171,8 @@ function curve(ink, rect, values, x, colour, dash = []) {
 
 /** @param {Ink} ink @param {Look} look @param {Rect} rect @param {number[]} ends @param {(value: number) => number} x @param {Palette} palette */
 function head(ink, { view, store }, { left, width }, [low, bit, high], x, palette) {
-  const { scale, unit } = LENGTHS[view.units];
-  /** @param {number} v */
-  const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
+  const { unit } = LENGTHS[view.units];
+  const show = sizeIn(view);
   ink.font = BOLD;
   const title = fitting(ink, [`Caliper [${unit}]`, `Cal. ${unit}`, 'Cal.'], width - 4);
   label(ink, title, left + 2, 11, { colour: palette.ink, font: BOLD });

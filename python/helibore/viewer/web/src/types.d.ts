@@ -70,7 +70,7 @@ interface MapRow { means: (number | undefined)[]; between: boolean[]; most: numb
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }
 interface TileTurns { version: number; min: Float64Array; max: Float64Array; c2: Float64Array; between: Uint8Array }
-interface Profile { min: Float32Array; max: Float32Array; c2: Float32Array; seen: Uint8Array; between: Uint8Array }
+interface Profile { min: Float32Array; max: Float32Array; c2: Float32Array; seen: Uint8Array; between: Uint8Array; rows: number }
 interface Measured { min: number; max: number; c1: number; c2: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }
 type Placing = (radius: number, sector: number) => Pair;
 interface Turn { k: number; radii: Float64Array; sure: Float64Array; between: Uint8Array; measured: Measured; level: Level }

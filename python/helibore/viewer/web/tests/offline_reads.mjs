@@ -1,6 +1,6 @@
 // What the page without a server reads from files:  node offline_reads.mjs WASM RULES.json BIT FILE ...
 // Prints one JSON line a file: the SHA-256 of the radii and of the nearest distances, the number of samples, figures of the whole
-// and of a part, curves, and zones; or why the file is refused.
+// and of a part, curves, zones, and the ends of the colours; or why the file is refused.
 import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
@@ -8,6 +8,7 @@ import { setRules } from '../offline/rules.js';
 import { glbOf } from '../offline/glb.js';
 import { curveBytes, summaryOf } from '../offline/figures.js';
 import { historyOf } from '../offline/history.js';
+import { sceneOf } from '../offline/scene.js';
 import { measure, read, rebuild, reopen, sigmaOf } from '../offline/worker.js';
 import { logsText } from '../offline/las_writing.js';
 
@@ -34,7 +35,7 @@ for (const file of files) {
     const [low, high] = figures.ends;
     const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
     const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, history: historyOf(rebuilt.samples.depth, rebuilt.samples.time, rebuilt.helix, vertices.radius.length), glb: await glbSum(rebuilt, low, high), las: logsText(figures, low, low + 0.6 * (high - low)), sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, ranges: sceneOf({ ...rebuilt.helix, bit: rebuilt.bit }, vertices).state.ranges, history: historyOf(rebuilt.samples.depth, rebuilt.samples.time, rebuilt.helix, vertices.radius.length), glb: await glbSum(rebuilt, low, high), las: logsText(figures, low, low + 0.6 * (high - low)), sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }
