@@ -125,6 +125,31 @@ def test_fits_and_wall_are_the_same_however_the_bytes_are_cut(asked):
     assert set(asked) == {26, 64, 126}, "the samples up to the one with which 2, 5 and 10 m are reached"
 
 
+def test_a_sensor_that_is_stuck_is_no_part_of_a_fit(monkeypatch):
+    """A value that stays counted as noise of all sensors, and the wall was smooth over what the others measured."""
+    fitted = []
+
+    def choose(caliper, _):
+        fitted.append(caliper.radius.tobytes())
+        raise ValueError("not now")
+
+    monkeypatch.setattr(fits, "choose", choose)
+    text = AUTOMATIC + '[source.mwd]\naddress = "host"\nunits = "metric"\n[source.mwd.caliper]\n'
+    text += 'depth = ["5009"]\ntoolface = ["5010"]\nradius = ["5020", "5021", "5022"]\n'
+    text += "toolface_offset = [0.0, 120.0, 240.0]\n"
+    rows = np.stack([oval(106.0, step=0.01, seed=seed) for seed in range(3)])
+    for value in (254.0, -999.25):
+        rows[2, 220:, 2] = value  # after 2.2 m
+        clock = Clock()
+        with Live(parse(text), clock=clock) as live:
+            for of in rows.transpose(1, 0, 2):
+                clock.step(1)
+                radii = [(5020 + k, f"{radius:.4f}") for k, radius in enumerate(of[:, 2])]
+                live.receive("mwd", wits.frame([(5009, f"{of[0, 1]:.2f}"), (5010, f"{of[0, 0]:.4f}"), *radii]))
+    assert len(fitted) == 4, "at 2 and 5 m, twice"
+    assert fitted[:2] == fitted[2:]
+
+
 def begun_with(folder):
     """What the journal states of its walls."""
     [header, *_] = [header for segment in segments(folder) for _, header in headers(segment)]

@@ -49,7 +49,7 @@ from helibore.live.rules.pass_rules import PASSES, layer_of
 from helibore.live.rules.sources import Source
 from helibore.samples.caliper import LARGEST_RADIUS
 from helibore.trajectory.survey import Path
-from helibore.wall.latest_pass import SAMPLE, latest_pass
+from helibore.wall.latest_pass import SAMPLE, latest_pass, stuck
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
@@ -658,7 +658,11 @@ class Model:
                 fits.count(columns[0])
             if fits and length:
                 first = tuple(column[:stop] for column in columns)
-                fits.due = length, tuple(np.concatenate(both) for both in zip(before, first, strict=True))
+                samples = tuple(np.concatenate(both) for both in zip(before, first, strict=True))
+                if self.was_stuck:  # such a value would count as noise of all sensors
+                    measured = ~stuck(*samples)
+                    samples = tuple(column[measured] for column in samples)
+                fits.due = length, samples
             update.changes[name] = joined(update.changes.get(name), change)
             return np.ones(len(rows), bool)
         records = rows["received"] >> 20
