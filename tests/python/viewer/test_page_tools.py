@@ -1254,6 +1254,24 @@ def test_an_address_keeps_the_eye_inside_where_a_cursor_was_held(browser: Any, v
     second.close()
 
 
+def test_a_note_where_the_angles_of_a_dip_stand_is_below_its_line(browser: Any) -> None:
+    with hb.view(MadeWall(40_000), path=curved_path()) as viewer:
+        bed = Pick(kind="bed", depth=1006.0, toolface=0.0, note="Top sand")
+        notes = [
+            Pick(kind="note", depth=depth, toolface=0.0, note="sharp base, lag of shale clasts, see the core of run 3")
+            for depth in (1006.0, 1013.0)
+        ]
+        viewer.scene.picks.extend([bed, *notes])
+        screen = Screen(browser, viewer.url, "#md=1010&sec=20", drawn=False)
+        screen.until("window.__wall.app.picking.notes.length === 2")
+        labels = screen.evaluate("document.getElementById('ink').labels")
+        (angles,) = (one for one in labels if one["text"].startswith("Top sand"))
+        low, high = sorted(one["top"] for one in labels if one["text"].startswith("sharp base"))
+        assert low >= angles["bottom"], "both stand: the note of the bed below the line"
+        assert high > low + 100
+        screen.close()
+
+
 def test_notes_are_saved_beside_the_picks(browser: Any, tmp_path: Path) -> None:
     file = tmp_path / "made.picks.csv"
     long = "wash & <b>out</b> " + "x" * 70

@@ -39,7 +39,8 @@ export class Notes {
   }
 }
 
-// Draw the notes on the image: a line at the depth and, above the line, as much of the text as the track has room for.
+// Draw the notes on the image: a line at the depth and, above the line or, where other words stand, below it, as much of the text
+// as the track has room for.
 /** @param {Ink} ink @param {Look} look */
 export function drawNotes(ink, { view, rects, notes }) {
   const palette = PALETTES[view.theme];
@@ -49,6 +50,6 @@ export function drawNotes(ink, { view, rects, notes }) {
     const y = Math.round(yOf(view, rects.image, depth)) + 0.5;
     line(ink, left, y, left + width, y, palette.pin);
     ink.font = BOLD;
-    label(ink, fitting(ink, [note], width - 12), left + 6, y - 9, { colour: palette.pin, halo: palette.paper, font: BOLD, yields: true });
+    label(ink, fitting(ink, [note], width - 12), left + 6, y - 9, { colour: palette.pin, halo: palette.paper, font: BOLD, near: [[0, 0], [0, 18]], yields: true });
   }
 }

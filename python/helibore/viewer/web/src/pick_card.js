@@ -81,5 +81,5 @@ export function inWords(plane, path) {
   const { dip, azimuth, apparent, deepest } = plane;
   const [steep, towards] = marksOf(plane, path);
   const [angle, direction] = [`${showAngle(Number.isNaN(dip) ? apparent : dip)}${steep}`, `${showAzimuth(Number.isNaN(dip) ? deepest : azimuth)}°${towards}`];
-  return Number.isNaN(dip) ? `apparent dip ${angle}, deepest at ${direction}` : `true dip ${angle} toward ${direction}   (apparent ${showAngle(apparent)})`;
+  return Number.isNaN(dip) ? `apparent dip ${angle}, deepest at ${direction}` : `true dip ${angle}${Number.isNaN(azimuth) ? ', level' : ` toward ${direction}`}   (apparent ${showAngle(apparent)})`;
 }

@@ -698,6 +698,7 @@ test('a pick made at a fine scale is surer than at a coarse one, keeps this wher
   made.nudge(0, 5);
   assert.ok(made.pick.dip_sigma > 5 * fine.dip_sigma, 'turned at the coarse scale');
   assert.match(inWords(made.plane(made.pick), made.app.path), /^true dip \d+\.\d° ± \d+ toward \d+°( ± \d+| or any) {3}\(apparent /);
+  assert.match(inWords({ ...made.plane(made.pick), dip: 0, azimuth: NaN }, made.app.path), /^true dip 0\.0°.*, level {3}\(apparent /);
   made.receive([{ key: 'read', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45, dip_sigma: null, toolface_sigma: null }]);
   assert.doesNotMatch(inWords(made.plane(made.kept.find(({ key }) => key === 'read')), made.app.path), /±/, 'a pick from elsewhere');
 });
