@@ -349,6 +349,22 @@ class TestPage:
             assert {round(255 * 0.35), round(255 * 0.9)} <= set(alphas)
             screen.close()
 
+    def test_one_of_wells_far_apart_has_measured_depths_and_a_scale_bar(self, browser: Any) -> None:
+        walls = {"A-1": made((0.0, 0.0, 0.0), TOPS["A-1"]), "B-2": made((0.0, 700.0, 0.0), TOPS["B-2"])}
+        with hb.view_wells(walls) as viewer:
+            screen = Screen(browser, viewer.url, drawn=False)
+            said = "ink.labels.map(({ text }) => text)"
+            screen.until(f"{said}.includes('B-2, 700 m E →')")
+            texts = screen.evaluate(said)
+            depths = [float(text.split()[1]) for text in texts if text.startswith("MD ")]
+            assert len(depths) >= 3
+            assert all(1000 <= depth <= 1016 for depth in depths)
+            assert np.unique(np.diff(sorted(depths))).size == 1, "each of the same step"
+            assert any(re.fullmatch(r"[\d.]+ m", text) for text in texts), "the length of the bar"
+            screen.click("#fit")
+            screen.until(f"!{said}.some((text) => text.startsWith('MD '))")  # the whole box has its own letters
+            screen.close()
+
     def test_heights_are_exaggerated_and_the_picture_says_so(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, drawn=False)
         box = (

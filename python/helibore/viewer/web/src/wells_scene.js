@@ -9,10 +9,12 @@ import { BOLD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { niceStep } from './lod.js';
 import { nameOf } from './path_maps.js';
 import { discOf, discsInWords, topInWords, topPlanes } from './plane_rings.js';
+import { scaleBar } from './scale_bar.js';
 import { byId } from './dom.js';
 import { line } from './strokes.js';
-import { depthNumber, depthUnit, showDepth } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, showDepth } from './units.js';
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
+import { ticks } from './view.js';
 import { captionLines, compass } from './wall_ink.js';
 
 const WIDE = 3; // of a disc, in radii of the drawn hole: the scene is seen from afar
@@ -26,6 +28,7 @@ const ARROWS = '→↗↑↖←↙↓↘';
 const ROWS = [0, 16, -16, 32, -32].map((dy) => [0, dy]);
 const NEAR = 16; // pixels from the axis of a well within which it is under the pointer
 const [ACROSS, UPWARDS] = [0.86, 0.84]; // shares of the picture that the box around the wells fills at most, with its letters beside it
+const APART = 70; // pixels from a depth beside a hole to the next
 const NAMES = 170; // pixels across, for the names beside the wells
 const FROM = [-0.5, -1, 0.35]; // direction from which the scene is seen at first, if another does not show wells and picks better
 
@@ -360,6 +363,8 @@ export class Scene {
       const at = this.project(plus(this.at(well, well.store.span[0]), [0, 0, (2.5 * well.store.bitRadius * wells.tube) / this.tall]), rect);
       if (at) label(ink, well.name, at[0], at[1] - 12, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, near: ROWS });
     }
+    const near = wells.shown.box && !this.whole; // the letters of the box are not in view, or not all
+    if (near) scaleBar(ink, rect.left + 16, rect.top + rect.height - 100, rect.height / (2 * gpu.outside.tangent * length(this.from)), view, palette);
     this.letterOthers(ink, rect, palette);
     compass(ink, gpu, rect, palette);
     const all = drawn.map((well) => ({ well, tops: this.topsOf(well), picks: this.picksOf(well, this.topsOf(well)) }));
@@ -373,6 +378,7 @@ export class Scene {
       ...tops.map((top) => ({ well, depth: top.start, plane: top.plane, side: /** @type {1} */ (1), texts: [topInWords(top, well.path), top.name], colour: palette.ink, rank: 0 })),
       ...picks.map((plane) => ({ well, depth: plane.depth, plane, side: /** @type {-1} */ (-1), texts: [anglesOf(plane, well.path)], colour: palette.picks[plane.kind], rank: plane.kind === 'bed' ? 3 : 1 })),
       ...casingsIn(well.store).filter(([, , stop]) => stop !== null && stop <= well.store.span[1]).map((casing) => ({ well, depth: casing[2] ?? 0, plane: null, side: /** @type {-1} */ (-1), texts: [shoeInWords(casing, view.units), 'shoe'], colour: palette.ink, rank: 2 })),
+      ...(near ? this.depthsOf(well, rect) : []).map(({ depth, text }) => ({ well, depth, plane: null, side: /** @type {1} */ (1), texts: [text], colour: palette.soft, rank: 4 })),
     ]);
     this.write(ink, rect, asked, palette);
     drawn.slice(0, -1).forEach((well, i) => { // where a bed ends that one of two wells lacks is not known
@@ -385,6 +391,18 @@ export class Scene {
       }
     });
     if (wells.shown.box) this.letterBox(ink, rect, palette);
+  }
+
+  // Return round measured depths of a well, far enough apart in the picture to be read.
+  /** @param {import('./well.js').Well} well @param {Rect} rect */
+  depthsOf(well, rect) {
+    const [top, bottom] = well.store.span;
+    const ends = [top, bottom].map((depth) => this.project(this.at(well, depth), rect));
+    if (!ends[0] || !ends[1]) return [];
+    const pixels = Math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
+    const { units } = this.wells.view;
+    const { values, digits } = ticks(top, bottom, Math.max(pixels, APART), APART, LENGTHS[units].depth.scale);
+    return values.map((depth) => ({ depth, text: `MD ${showDepth(depth, units, digits)}` }));
   }
 
   // Return the axis and both edges of a hole in the picture, off which words keep.
