@@ -96,7 +96,8 @@ struct KindsAlong {
     std::vector<double> kinds;             // hole_kinds probabilities
     std::vector<double> size, size_sigma;  // mean and standard deviation of the size among the likely sections; NaN
                                            // where the mean radius is beyond all radii of the library
-    std::vector<Index> seen;               // parts of the turn's window that samples see, or beside these
+    std::vector<Index> seen;               // parts that samples see, or beside these, in the turn's window; at most
+                                           // the mean of five windows
 };
 
 // Takes turns together in windows of 0.1 m, or up to 0.5 m where these see few parts, and chains the windows.

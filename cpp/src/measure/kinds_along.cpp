@@ -14,6 +14,7 @@ namespace {
 
 constexpr double lengths[] = {0.1, 0.3, 0.5};  // of windows, metres: the first whose windows see enough parts
 constexpr std::size_t enough = 14;             // parts that a window sees, in the mean
+constexpr std::size_t about = 2;               // windows on each side that count among those that samples see
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t block = 200, beside = 20;  // windows at once, and how many beside them count
 
@@ -46,14 +47,23 @@ Windows windows_of(std::span<const double> sections, std::size_t turns, double l
     return out;
 }
 
-// Returns how many parts of a window samples see, or lie beside one that they see.
-Index near_samples(const Windows& windows, std::size_t window) {
-    const std::span<const double> of = std::span(windows.sections).subspan(window * section_parts, section_parts);
-    const auto sees = [&](std::size_t part) { return !std::isnan(of[part % section_parts]); };
-    Index near = 0;
-    for (std::size_t part = 0; part < section_parts; ++part)
-        near += sees(part) || sees(part + 1) || sees(part + section_parts - 1) ? 1 : 0;
-    return near;
+// Returns how many parts of each window samples see, or lie beside one that they see; at most the mean of the windows
+// about it, rounded down: a sensor that turns slowly sees two parts where it passes a border between them.
+std::vector<Index> near_samples(const Windows& windows) {
+    std::vector<Index> near(windows.count()), least(windows.count());
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        const std::span<const double> of = std::span(windows.sections).subspan(i * section_parts, section_parts);
+        const auto sees = [&](std::size_t part) { return !std::isnan(of[part % section_parts]); };
+        for (std::size_t part = 0; part < section_parts; ++part)
+            near[i] += sees(part) || sees(part + 1) || sees(part + section_parts - 1) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        const std::size_t low = i - std::min(i, about), high = std::min(i + about + 1, near.size());
+        Index sum = 0;
+        for (std::size_t other = low; other < high; ++other) sum += near[other];
+        least[i] = std::min(near[i], sum / static_cast<Index>(high - low));
+    }
+    return least;
 }
 
 Windows gathered(std::span<const double> sections, std::size_t turns, double height) {
@@ -120,7 +130,8 @@ KindsAlong kinds_along(std::span<const double> sections, double height, std::spa
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     KindsAlong out{std::vector<double>(turns * hole_kinds, none), std::vector<double>(turns, none),
                    std::vector<double>(turns, none), std::vector<Index>(turns)};
-    for (std::size_t turn = 0; turn < turns; ++turn) out.seen[turn] = near_samples(windows, turn / windows.turns);
+    const std::vector<Index> seen = near_samples(windows);
+    for (std::size_t turn = 0; turn < turns; ++turn) out.seen[turn] = seen[turn / windows.turns];
     const std::vector<bool> like = like_library(windows, library, rule.likeness.rough);
     const std::vector<bool> needed = near_wanted(wanted, windows, 0), near = near_wanted(wanted, windows, beside);
     for (std::size_t start = 0, stop = 0; start < windows.count(); start = std::max(stop, start + 1)) {

@@ -371,6 +371,20 @@ def test_few_arms_that_turn_slowly_show_one_long_breakout(arms: int) -> None:
     assert (zone.start, zone.stop) == pytest.approx((10, 30), abs=2.0)
 
 
+@pytest.mark.parametrize("rate", [2.0, 5.0, 9.0])
+def test_two_sensors_that_turn_slowly_show_no_pieces_of_a_zone(rate: float) -> None:
+    """Now and then each sees two of the 32 parts of its half metre. These were zones of half a metre, "98 % sure"."""
+    depth = np.repeat(np.arange(0, 40, 0.05), 2)
+    arm = np.tile([0, 1], depth.size // 2)
+    toolface = (20 + rate * depth + 180 * arm) % 360
+    away = (toolface - 90 + 90) % 180 - 90
+    lobes = 0.05 * np.maximum(np.cos(np.radians(3 * np.clip(away, -30, 30))), 0) * ((depth > 5) & (depth < 35))
+    radius = 0.109 + lobes + np.random.default_rng(6).normal(0, 5e-4, depth.size)
+    found = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT).zones()
+    assert found.zones == ()
+    assert set(found.kind.tolist()) == {-1}
+
+
 def test_three_sensors_that_do_not_turn_do_not_show_that_a_hole_is_gauge() -> None:
     """A breakout goes on between them, where none of them looks."""
     random = np.random.default_rng(8)
