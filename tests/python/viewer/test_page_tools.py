@@ -1349,6 +1349,10 @@ def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, t
     shown.until("window.__wall.app.view.cursor")
     shown.settle()
     assert shown.readout()["Radius"].endswith("mm")
+    assert shown.inner_text("#sectionTitle") == "1002.0–1022.0 m"
+    shown.evaluate("(({ view, store }) => view.show(1010, 5, store))(window.__wall.app)")
+    shown.settle()
+    assert shown.inner_text("#sectionTitle") == "exported 1002.0–1022.0 m", "the figures are not of what is in view"
     shown.close()
     live.close()
 

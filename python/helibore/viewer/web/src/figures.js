@@ -19,12 +19,15 @@ export class Figures {
     this.app = app;
   }
 
-  // Write the figures below the log, with the depths between which they were measured: a growing wall may be longer by now.
+  // Write the figures below the log, with the depths between which they were measured: a growing wall may be longer by now, and an
+  // exported file shows other depths than its own.
   write() {
     const { summary, app } = this;
-    const { store, view, zones } = app;
-    const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
-    say('sectionTitle', stop > start ? showSpan(start, stop, view.units) : '');
+    const { store, view, zones, contents } = app;
+    const inView = [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
+    const [start, stop] = summary ? [summary.start, summary.stop] : inView;
+    const [text, shown] = [[start, stop], inView].map(([from, to]) => showSpan(from, to, view.units));
+    say('sectionTitle', stop > start ? `${contents && text !== shown ? 'exported ' : ''}${text}` : '');
     write('section', stop > start ? sectionText(store, summary, view.units, zones, view.bottom) : [['Section', 'no data']]);
     writeRig(app);
   }
