@@ -17,8 +17,8 @@ from helibore.base.angles import azimuth_text
 from helibore.base.arrays import Floats
 from helibore.base.colors import DIP_LINES, DIP_TITLES, PICK_COLORS
 from helibore.logs.picks import BREAKOUT, NOTE, PLANES, Pick
-from helibore.plot.paper import INK, LEAST, SMALL, Sheet
-from helibore.plot.tracks import HEAD, SIDES, Stretch, bare_axes, depth_lines
+from helibore.plot.paper import FONT, INK, LEAST, SMALL, Sheet
+from helibore.plot.tracks import HEAD, ON_PAPER, SIDES, Stretch, bare_axes, depth_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +32,8 @@ DASHES: dict[str, tuple[float, ...]] = {
     "healed fracture": (1.5, 2),
     "induced fracture": (7, 2, 1, 2),
 }
+NOTE_COLOR = "#8a3ffc"
+"""Colour of notes, that of the page."""
 TAIL = 3.0
 """Length of a tadpole's tail from the middle of its head, and distance of 0 and 90 degrees from the edges, mm."""
 
@@ -123,8 +125,12 @@ def plane_depth(pick: Pick, radius: float, toolface: Floats) -> Floats:
 
 
 def draw_picks(axes: Axes, picks: Sequence[Pick], left: float, bit_diameter: float) -> None:
-    """Draw the curves of planes and the boxes of breakouts on an image whose left edge is toolface ``left``."""
+    """Draw curves of planes, boxes of breakouts and notes on an image whose left edge is toolface ``left``."""
     toolface = np.linspace(0.0, 360.0, 181)
+    look: dict[str, Any] = {"va": "bottom", "size": LEAST, "family": FONT, "color": NOTE_COLOR, "clip_on": True}
+    for note in (pick for pick in picks if pick.kind == NOTE):
+        axes.axhline(note.depth, color=NOTE_COLOR, linewidth=0.6, zorder=6)
+        axes.text(4.0, note.depth, note.note, **look, zorder=7, bbox=ON_PAPER["bbox"])
     for pick in (pick for pick in picks if pick.kind != NOTE):
         radius = radius_of(pick, bit_diameter)
         color = PICK_COLORS[pick.kind]

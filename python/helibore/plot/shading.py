@@ -80,7 +80,7 @@ def shade(
         low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3  # the turns that these rows are smoothed from
         greatest = float(radius[low * sectors : high * sectors].max())
         largest = view.tube * (0.5 * bit_diameter + view.shape * (greatest - 0.5 * bit_diameter))
-        psi = np.linspace(-np.pi, np.pi, int(_DENSITY * scale * 2 * np.pi * largest) + 2)
+        psi = _columns(radius[low * sectors : high * sectors], sectors, first[1], view, largest, _DENSITY * scale)
         around = (view.facing + np.degrees(psi) - first[1]) / 360.0
         fine = _resample(channels, sectors, turn, around)
         reach = view.tube * (0.5 * bit_diameter + view.shape * (fine[0] - 0.5 * bit_diameter))
@@ -113,6 +113,24 @@ def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, pe
     drawn = np.append(0.0, np.cumsum(abs(pitch) * per_metre * np.hypot(1.0, 0.7 * steep)))
     rows: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, np.arange(turns + 1))
     return rows
+
+
+def _columns(
+    radius: Floats, sectors: int, start_toolface: float, view: View, largest: float, per_metre: float
+) -> Floats:
+    """Return the angles from ``view.facing`` of the columns of points, -pi to pi; closer where the radius changes around.
+
+    ``largest`` is the greatest exaggerated radius of these turns.
+    """
+    grid = radius[: radius.size // sectors * sectors].reshape(-1, sectors)
+    step = np.abs(np.roll(grid, -1, axis=1) - grid).max(axis=0)  # from each sector to the next
+    steep = np.maximum(step, np.maximum(np.roll(step, 1), np.roll(step, -1)))  # of the neighbours, too
+    ends = np.linspace(-np.pi, np.pi, sectors + 1)
+    middle = view.facing + np.degrees(0.5 * (ends[:-1] + ends[1:])) - start_toolface
+    steep = view.tube * view.shape * steep[np.floor(middle / 360.0 * sectors).astype(int) % sectors]
+    drawn = np.append(0.0, np.cumsum(per_metre * np.hypot(2 * np.pi / sectors * largest, steep)))
+    columns: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, ends)
+    return columns
 
 
 def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Floats32:

@@ -181,6 +181,7 @@ def _draw_rings(axes: Axes, wall: Wall, one: Stretched, radius: Floats, view: Vi
     around = ((toolface - wall.settings.start_toolface) / 360 * radius.shape[1]).round().astype(int)
     smooth = np.mean([np.roll(radius, turn, axis=1) for turn in range(-2, 3)], axis=0)  # the body is smooth, too
     first = wall.start_depth + one.first // radius.shape[1] * pitch
+    every = np.radians(360 / radius.shape[1] * np.arange(radius.shape[1]) + wall.settings.start_toolface - view.facing)
 
     def ring(depth: Floats, text: str, color: str, side: int = 1, **look: Any) -> None:
         if not (depth.min() >= top and depth.max() <= bottom):
@@ -192,9 +193,11 @@ def _draw_rings(axes: Axes, wall: Wall, one: Stretched, radius: Floats, view: Vi
         axes.plot(across, down, color="white", linewidth=2.0, zorder=5)
         axes.plot(across, down, color=color, linewidth=1.1, zorder=6, **look)
         end = int((side * across).argmax())
+        whole = view.tube * (0.5 * bit + view.shape * (smooth[turns[end]] - 0.5 * bit))  # what is behind may be wider
+        edge = side * (-side * whole * np.sin(every)).max()
         place: dict[str, Any] = {"va": "center", "size": LEAST, "family": FONT, "color": color, "clip_on": False}
         away = side * 0.02 * float(np.diff(axes.get_xlim())[0])
-        axes.text(across[end] + away, down[end], text, ha="left" if side > 0 else "right", **place)
+        axes.text(edge + away, down[end], text, ha="left" if side > 0 else "right", **place)
 
     for pick in wall.picks:
         if pick.kind in PLANES:

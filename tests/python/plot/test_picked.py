@@ -193,6 +193,25 @@ def test_a_pick_has_the_same_angles_in_the_table_and_beside_the_body_as_on_the_p
     assert f"48 ± {steep} / 035 ± {aside}" in beside
 
 
+def test_a_note_stands_at_its_depth_on_the_image_and_the_name_of_a_top_beside_the_body() -> None:
+    """The name stands off what is behind: here a breakout at the left of the body that is wider than its front."""
+    depth = np.repeat(np.arange(2000.0, 2012.0, 0.05), 36)
+    toolface = np.tile(10.0 * np.arange(36), depth.size // 36)
+    lobe = 0.022 * np.exp(-((((2 * toolface - 80 + 180) % 360 - 180) / 40) ** 2)) * (abs(depth - 2006) < 4)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, 0.108 + lobe), bit_diameter=0.216, sectors=36)
+    wall.picks = [Pick(kind="note", depth=2004.0, toolface=0.0, note="core 3")]
+    wall.intervals = (hb.Interval("Hugin", 2006.0),)
+    figure = hb.plot.log(wall, polar=(), body=(2000.0, 2012.0))
+    (note,) = [text for axes in figure.axes for text in axes.texts if text.get_text() == "core 3"]
+    assert note.get_position()[1] == 2004.0
+    (body, name) = next((axes, text) for axes in figure.axes for text in axes.texts if text.get_text() == "Hugin")
+    pixels = np.asarray(body.images[0].get_array())
+    left, right, bottom, top = body.images[0].get_extent()
+    row = pixels[int((name.get_position()[1] - top) / (bottom - top) * len(pixels)), :, 3]
+    edge = left + np.argmax(row > 0.5) / row.size * (right - left)
+    assert name.get_position()[0] < edge + 0.01 * (right - left)
+
+
 def test_picks_stand_on_a_page_of_their_own_with_their_angles_and_the_north(wall: hb.Wall) -> None:
     """A table, the poles and the strikes; the picks outside the interval are not there."""
     survey = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2, north="grid")

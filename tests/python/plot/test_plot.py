@@ -522,6 +522,16 @@ def test_a_breakout_behind_the_hole_sticks_out_as_far_as_one_in_front() -> None:
     np.testing.assert_allclose(outline(130), outline(50), atol=1)
 
 
+def test_the_steep_side_of_a_breakout_is_drawn_without_gaps() -> None:
+    away = (5.0 * np.arange(72) - 50 + 180) % 360 - 180
+    radius = np.tile(0.108 + 0.022 * np.exp(-((away / 18) ** 2)), (120, 1)).ravel()
+    view = View(facing=0.0, tube=10.0, shape=5.0, width=200, height=400)
+    seen = shade(radius, np.full((radius.size, 3), 0.8), 72, 0.1, (0.0, 0.0), BIT, view).pixels[120:300, :, 3]
+    for row in seen:
+        first, *_, last = np.flatnonzero(row)
+        assert row[first + 1 : last].min() == 1
+
+
 def hb_washout(start: float, stop: float) -> Any:
     from helibore.simulation.tool import Washout
 
