@@ -118,7 +118,7 @@ def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, pe
 def _columns(
     radius: Floats, sectors: int, start_toolface: float, view: View, largest: float, per_metre: float
 ) -> Floats:
-    """Return the angles from ``view.facing`` of the columns of points, -pi to pi; closer where the radius changes around.
+    """Return the angles of the columns of points from ``view.facing``, radians; closer where the radius changes around.
 
     ``largest`` is the greatest exaggerated radius of these turns.
     """
