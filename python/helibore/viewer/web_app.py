@@ -348,9 +348,15 @@ class WellsApp:
         return file_answer(request, request.url.path.strip("/") or "wells.html")
 
     async def wells(self, _: Request) -> Response:
-        """Return name, address and length of each well, and north, east and down of its head, null without a path."""
-        listed = []
+        """Return name, address and length of each well, and north, east and down of its head, null without a path.
+
+        Of a well that waits for its first data, return null.
+        """
+        listed: list[dict[str, Any] | None] = []
         for number, scene in enumerate(app.scene for app in self.apps):
+            if not scene.begun:
+                listed.append(None)
+                continue
             level, path = scene.levels[0], scene.path
             length = abs(level.size * scene.shape.pitch / level.sectors)
             head = None if path is None else path.head
@@ -360,7 +366,7 @@ class WellsApp:
     async def health(self, _: Request) -> Response:
         scenes = [app.scene for app in self.apps]
         pages = sum(len(app.connections) for app in self.apps)
-        vertices = sum(scene.levels[0].size for scene in scenes)
+        vertices = sum(scene.levels[0].size for scene in scenes if scene.begun)
         return JSONResponse({"vertices": vertices, "pages": pages, "page_built": page("wells.js") is not None})
 
 

@@ -19,6 +19,10 @@ from patience import wait
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
+from helibore.base.identity import Access
+from helibore.viewer.feed import Feed
+from helibore.viewer.page_server import PageServer
+from helibore.viewer.scene import Scene
 
 COLOURS = Path(hb.__file__).parent / "base" / "color_maps.json"
 HEADS = {"A-1": (10.0, 20.0, -30.0), "B-2": (15.0, 60.0, -30.0), "C-3": (40.0, 90.0, -30.0)}
@@ -364,6 +368,24 @@ class TestPage:
             screen.click("#fit")
             screen.until(f"!{said}.some((text) => text.startsWith('MD '))")  # the whole box has its own letters
             screen.close()
+
+    def test_wells_that_wait_for_their_first_data_are_counted_and_come(self, browser: Any) -> None:
+        scenes, wall = [Scene(), Scene(), Scene()], made(HEADS["A-1"])
+        Feed(wall, path=wall.path, attributes={}, well="A-1", scene=scenes[1])
+        server = PageServer(scenes, Access())
+        try:
+            with urllib.request.urlopen(server.url.replace("/?", "/api/wells?")) as answered:
+                assert [one and one["name"] for one in json.load(answered)] == [None, "A-1", None]
+            screen = Screen(browser, server.url, drawn=False)
+            said = "document.getElementById('lampText').textContent"
+            screen.until(f"{said} === '2 of 3 wells wait for their first data'")
+            wall = made(HEADS["B-2"])
+            Feed(wall, path=wall.path, attributes={}, well="B-2", scene=scenes[2])
+            screen.page.wait_for_selector("text=1 of 3 wells waits for its first data")  # the page has begun anew
+            screen.until("window.__wall?.wells.drawn.length === 2")
+            screen.close()
+        finally:
+            server.close()
 
     def test_heights_are_exaggerated_and_the_picture_says_so(self, browser: Any, wells: Any) -> None:
         screen = Screen(browser, wells[0].url, drawn=False)

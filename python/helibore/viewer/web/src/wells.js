@@ -39,6 +39,8 @@ const WAIT = 15_000; // milliseconds that a saved picture waits at most
 const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const SHOWN = /** @type {const} */ (['fence', 'discs', 'planes', 'box']);
 
+const AGAIN = 2000; // milliseconds from asking which wells have begun to asking again
+
 export class Wells {
   /** @type {Well[]} */
   wells = [];
@@ -58,6 +60,7 @@ export class Wells {
   listed = '';
   /** @type {number | undefined} */
   sharpening = undefined;
+  waits = ''; // how many wells have no data yet, in words
 
   constructor() {
     this.redraw = oncePerFrame(() => this.draw());
@@ -79,16 +82,22 @@ export class Wells {
     this.load();
   }
 
+  // Read which wells there are; while some wait for their first data, ask again, and begin anew when another has come.
   async load() {
     try {
       const answer = await fetch(`api/wells${location.search}`);
       if (!answer.ok) throw new Error(await answer.text());
-      /** @type {ListedWell[]} */
-      const listed = await answer.json();
+      /** @type {(ListedWell | null)[]} */
+      const all = await answer.json();
+      const listed = all.filter((one) => one !== null);
+      const waits = all.length - listed.length;
+      byId('lampText').textContent = this.waits = waits ? `${waits} of ${all.length} wells ${waits === 1 ? 'waits for its' : 'wait for their'} first data` : '';
+      if (waits) setTimeout(() => this.load(), AGAIN);
+      if (this.wells.length) return listed.length > this.wells.length ? location.reload() : undefined;
       const places = placed(listed);
       this.note = places.note;
       this.wells = listed.map((one, i) => Object.assign(new Well(one, () => this.changed()), { east: places.east[i] }));
-      byId('well').textContent = `${listed.length} wells`;
+      byId('well').textContent = `${all.length} wells`;
       document.title = `${listed.map(({ name }) => name).join(', ')} – helibore`;
     } catch (error) {
       byId('notice').textContent = `The wells were not read: ${messageOf(error)}`;
@@ -211,7 +220,7 @@ export class Wells {
     const cuts = cutsOf(this.drawn.map(({ path }) => path));
     const key = JSON.stringify([names, cuts, tops, wells.map(({ name, words, hidden, ready, store }) => [name, words, hidden, ready, store?.session]), [...this.hidden]]);
     byId('placed').textContent = this.mode === 'scene' ? this.note : ''; // side by side no place is needed
-    byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? '';
+    byId('lampText').textContent = wells.find(({ words }) => words)?.words ?? this.waits;
     for (const id of /** @type {const} */ (['mode', 'units', 'tube'])) byId(id).value = String(id === 'mode' ? this.mode : this.view[id]);
     hide(this.mode === 'scene', 'datum', 'cut');
     hide(this.mode !== 'scene', 'tube', 'tall');
