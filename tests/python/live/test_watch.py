@@ -36,6 +36,8 @@ WRONG = {
                      "hole_falls", 30),
     "a sensor sticks": (FOUR, lambda m: with_samples(m, stuck(2, 0.131)), 4, "sensors", 400),
     "a sensor sticks at its last value": (FOUR, lambda m: with_samples(m, stuck(1, 0.1093)), 4, "stays", 1200),
+    "a sensor is worn": (FOUR, lambda m: with_samples(m, lambda s, t, r: (s, t, r - 0.0035 * (s == 1))), 4,
+                         "sensors", 400),
     "the radius sticks": (Operations(trips=False), lambda m: with_samples(m, stuck(0, 0.1093)), 0, "stays", 2400),
     "the toolface sticks": (Operations(trips=False), lambda m: with_samples(m, lambda s, _, r: (s, 77.0, r)), 0,
                             "toolface_stays", 6000),
@@ -102,6 +104,16 @@ def test_operations_do_not_alarm(name):
     hours = 48.0 if operations.every > 1 else 5.0
     found, watch = watched(replace(operations, seed=71).run(hours), sensors)
     assert (found, watch.active) == ([], {})
+
+
+def test_sensors_of_which_each_sees_its_own_side_are_not_compared():
+    """Sampled once a turn; one sensor sees a key seat each time."""
+    own_side = changed(
+        replace(FOUR, seed=72).run(0.5),
+        0,
+        lambda m: with_samples(m, lambda s, _, r: (s, 90.0 * s, r + 0.02 * (s == 2))),
+    )
+    assert "sensors" not in {rule for _, rule, _ in watched(own_side, 4)[0]}
 
 
 def test_windows_of_any_size_give_the_same_events():

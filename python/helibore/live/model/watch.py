@@ -56,8 +56,10 @@ SCALES = {
 """For each ratio of the median radius to that of the bit: what the values seem to be."""
 NEAR = 0.12
 """The relative error within which a ratio counts as one of SCALES."""
-SENSORS, SENSOR_OFF = 64, 0.006
-"""Samples of each sensor that are compared, and metres by which the median of one must differ from the others'."""
+SENSORS, LEAST_OFF, ERRORS, ONE_WAY = 64, 0.002, 6.0, 0.25
+"""Samples of each sensor that are compared, and metres and standard errors by which the median of one must differ from
+the others'. If the mean vector of their directions, or of two or three times these, is longer than ONE_WAY, each sensor
+has seen its own part of the hole: they are not compared."""
 STAYS, STAYS_ROUNDED, ROUNDED, ROUNDED_AFTER = 50, 600, 0.2, 200
 """Equal values in a row; the same for a channel in which more than ROUNDED of at least ROUNDED_AFTER values repeat."""
 TURNING = 40.0
@@ -170,13 +172,14 @@ class WatchedChannel:
 class CaliperWatch:
     """The rules for the samples of one caliper."""
 
-    STATE = ("radii", "scale", "channels", "sensors", "odd", "toolfaces", "toolface_at", "toolface_lasts")
+    STATE = ("radii", "scale", "channels", "sensors", "directions", "odd", "toolfaces", "toolface_at", "toolface_lasts")
 
     def __init__(self) -> None:
         self.radii: list[float] = []
         self.scale = ""
         self.channels: dict[int, WatchedChannel] = {}
         self.sensors: dict[int, list[float]] = {}
+        self.directions: deque[float] = deque(maxlen=SENSORS)
         self.odd = -1
         self.toolfaces: deque[float] = deque(maxlen=TOOLFACES)
         self.toolface_at = -1
@@ -438,7 +441,9 @@ class Watch:
     def _take_sensors(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
         """Compare the medians of SENSORS samples of each sensor: while the string turns, all see the same wall."""
         assert frame.radius is not None
+        assert frame.toolface is not None
         assert frame.sensor is not None
+        watch.directions.append(math.radians(float(frame.toolface[0])))
         for sensor, radius in zip(frame.sensor.tolist(), frame.radius.tolist(), strict=True):
             values = watch.sensors.setdefault(sensor, [])
             if len(values) < SENSORS:
@@ -446,13 +451,20 @@ class Watch:
         if len(watch.sensors) < settings.sensors or min(map(len, watch.sensors.values())) < SENSORS:
             return
         medians = {sensor: statistics.median(values) for sensor, values in sorted(watch.sensors.items())}
+        # The error of a median is 1.25 times that of a mean, and the others' median has one, too.
+        error = 1.8 * statistics.median(map(statistics.pstdev, watch.sensors.values())) / math.sqrt(SENSORS)
+        limit = max(LEAST_OFF, ERRORS * error)
+        one_way = (abs(np.exp(1j * np.outer((1, 2, 3), np.array(watch.directions))).mean(axis=1)) > ONE_WAY).any()
         watch.sensors = {}
+        watch.directions.clear()
+        if one_way:
+            return
         key = "sensors", frame.source
         odd, text = -1, ""
         for sensor, median in medians.items():
             others = [other for one, other in medians.items() if one != sensor]
             middle = statistics.median(others)
-            if abs(median - middle) > SENSOR_OFF and max(others) - min(others) <= SENSOR_OFF / 2:
+            if abs(median - middle) > limit and max(others) - min(others) <= limit / 2:
                 odd = sensor
                 text = (
                     f"radius {sensor + 1} has the median {1e3 * median:.1f} mm of {SENSORS} samples while the string "
