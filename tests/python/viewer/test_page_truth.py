@@ -404,6 +404,20 @@ def test_an_open_fracture_does_not_stretch_the_colours_and_the_caliper(browser: 
         screen.close()
 
 
+def test_the_cross_section_says_on_which_side_a_key_seat_lies(browser: Any) -> None:
+    depth = np.arange(2000.0, 2012.0, 0.0005)
+    toolface = depth * 36000 % 360
+    slot = 0.02 * np.exp(-((((toolface - 187 + 180) % 360 - 180) / 20) ** 2)) * (np.abs(depth - 2006) < 3)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, 0.5 * BIT + slot), bit_diameter=BIT)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2006&sec=12", (1366, 768), drawn=False)
+        screen.keyboard.press("n")
+        screen.settle()
+        said = screen.evaluate("[...document.getElementById('turn').children].map((e) => e.textContent)")
+        assert abs(int(said[said.index("Toolface") + 1].removesuffix("°")) - 187) <= 2
+        screen.close()
+
+
 def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any) -> None:
     wall = MadeWall(20_000)
     wall.radius[:] = BIT / 2

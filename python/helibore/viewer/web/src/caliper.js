@@ -102,9 +102,8 @@ export function drawCaliper(ink, look, scale) {
   curve(ink, rect, c2, x, palette.max, ACROSS);
   curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
   line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
-  const show = sizeIn(view);
-  farthest(max, (a, b) => a > b, high, (y) => label(ink, `${show(max[y])} →`, rect.left + rect.width - 2, rect.top + y, { colour: palette.ink, halo: palette.paper, align: 'right', font: SMALL }));
-  farthest(min, (a, b) => a < b, low, (y) => label(ink, `← ${show(min[y])}`, rect.left + 2, rect.top + y, { colour: palette.ink, halo: palette.paper, font: SMALL }));
+  beyond(ink, rect, max, high, 1, view, palette);
+  beyond(ink, rect, min, low, -1, view, palette);
   ink.restore();
   edges(ink, sharp(rect), palette.line);
   head(ink, look, rect, [low, bit, high], x, palette);
@@ -135,13 +134,13 @@ function runs({ length }, isIn, draw) {
 
 const APART = 14; // pixels from one number to the next
 
-// Call `write` for the farthest row of each stretch of rows that are beyond an end of the scale.
-/** @param {Float32Array} values @param {(a: number, b: number) => boolean} isFarther @param {number} end @param {(y: number) => void} write */
-function farthest(values, isFarther, end, write) {
-  runs(values, (y) => values.subarray(y, y + APART).some((value) => isFarther(value, end)), (start, tall) => {
-    let at = -1;
-    for (let y = start; y < start + tall + APART; y++) if (isFarther(values[y], values[at] ?? end)) at = y;
-    write(at);
+// Write at an edge of the track the farthest size of each stretch of rows beyond that end of the scale; `side` is -1 at the left.
+/** @param {Ink} ink @param {Rect} rect @param {Float32Array} sizes @param {number} end @param {1 | -1} side @param {Look['view']} view @param {Palette} palette */
+function beyond(ink, { left, top, width }, sizes, end, side, view, palette) {
+  runs(sizes, (y) => sizes.subarray(y, y + APART).some((size) => side * size > side * end), (start, tall) => {
+    const far = side * Math.max(...sizes.subarray(start, start + tall + APART).map((size) => side * size || -Infinity));
+    const text = sizeIn(view)(far);
+    label(ink, side > 0 ? `${text} →` : `← ${text}`, left + (side > 0 ? width - 2 : 2), top + sizes.indexOf(far, start), { colour: palette.ink, halo: palette.paper, align: side > 0 ? 'right' : 'left', font: SMALL });
   });
 }
 

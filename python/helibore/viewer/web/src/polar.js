@@ -15,7 +15,7 @@ import { measure, turn, uncertainties, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { line } from './strokes.js';
-import { LENGTHS, showShare, showSigned } from './units.js';
+import { LENGTHS, showAzimuth, showShare, showSigned } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
 import { MEASURES, sentence, zoneAt } from './zones.js';
 
@@ -246,7 +246,7 @@ export function turnText(look, found, show) {
     ['Least', show(Number.isNaN(measured.c1) ? NaN : measured.min)],
     ['Area diameter', show(equivalent)],
     ...certainty(found.sure, show),
-    ...(zone ? [['Zone', `${sentence(zone)}, ${share} of the turn measured`.replaceAll(' %', '\u00a0%')], [MEASURES[zone.kind], showSigned(zone.measure, units, units === 'mm' ? 0 : 1)], ...(azimuth ? [['Azimuth', azimuth]] : [])] : [['Turn measured', share], ['Zone', 'none']]),
+    ...(zone ? [['Zone', `${sentence(zone)}, ${share} of the turn measured`.replaceAll(' %', '\u00a0%')], [MEASURES[zone.kind], showSigned(zone.measure, units, units === 'mm' ? 0 : 1)], ...(azimuth ? [['Azimuth', azimuth]] : zone.toolface === undefined ? [] : [['Toolface', `${showAzimuth(zone.toolface)}°`]])] : [['Turn measured', share], ['Zone', 'none']]),
   ];
 }
 
