@@ -12,7 +12,7 @@ scanned again and has changed, the samples of the last scan count, whether the w
 said to be tight may be tight where the turns are not sampled: so each body has the first such hole that it would enter.
 
 Hole is tight where it is less than the bit by the limit, and where a body is likely too thick for it; each place has
-the probability that the string sticks there. The alarm has the limit alone.
+the probability that the string sticks there, unless a sensor is known to be off. The alarm has the limit alone.
 """
 
 from __future__ import annotations
@@ -240,7 +240,9 @@ class Ahead:
         length = max(body.position + body.length for body in string)
         top, bottom = bit - ahead - length, bit + ahead
         apart = self._live.model.apart[self._live.model.main].values.size
-        known = id(wall), wall.settings, wall.sample_count, apart, string, limits
+        wrong = self._live.model.watch.active  # what a stuck sensor sends is left out
+        off = any(rule == "sensors" and ("stays", source) not in wrong for rule, source in wrong)
+        known = id(wall), wall.settings, wall.sample_count, apart, string, limits, off
         if known == self._known and self._ends[0] <= top and bottom <= self._ends[1]:
             return
         more = min(ahead, MORE) if self._moves else 0.0
@@ -256,6 +258,8 @@ class Ahead:
         self._seen_to = self._ends[1] if max(helix_of(wall).ends(len(wall))) > self._ends[1] else math.inf
         if stretch is not None:
             stretch, sigma = _quiet(stretch)
+        if off:  # its error is no noise: nobody knows how sure its radii are
+            sigma = None
         each = zip(range(len(string)), string, thin, touching, strict=True)
         self._bodies = [] if stretch is None else [_Tight(*of, self._narrow(stretch, sigma, *of[1:])) for of in each]
         ways = (-FAR, False), (FAR, True)

@@ -251,6 +251,18 @@ def test_tight_hole_beside_the_last_turn_is_found_though_the_tool_stopped_within
     assert tight.passes < 0.202
 
 
+def test_nobody_is_sure_of_tight_hole_while_a_sensor_is_off_but_of_that_of_the_others_while_one_is_stuck():
+    trip = Trip()
+    wrong = trip.live.model.watch.active
+    for rules, known in (((), True), (("sensors",), False), (("sensors", "stays"), True)):
+        wrong.update({(rule, "mwd"): rule for rule in rules})
+        for bit in (122.0, 121.0):
+            trip.to(bit)
+        (place,) = trip.alarms.ahead.outlook.up.places
+        assert (place.sure is not None, place.within is not None) == (known, known)
+        assert place.passes == pytest.approx(0.206, abs=0.0005)
+
+
 def noisy(trip: Trip, diameter: float, noise: float = 0.0) -> None:
     """Scan the hole from 114 to 116 m again, a minute after all that came before."""
     trip.clock.step(60)
