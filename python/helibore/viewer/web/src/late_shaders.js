@@ -104,7 +104,7 @@ void main() {
     }
   }
   vec3 stone = rock(k, v, gap);
-  if (mode == 5) stone = mix(stone, vec3(0.7), open);
+  stone = mix(stone, vec3(0.7), mode == 5 ? open : 0.6 * open); // the colours of radii end at their darkest there
   vec3 base = mark * stone * vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.25, 0.95) / (1.0 + cleft) * (1.08 / (1.0 + 1.4 * far * far));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
