@@ -146,7 +146,7 @@ def choose(caliper: Caliper, settings: Settings, threads: int | None = None) -> 
     if dense:  # near samples decide, whatever the turn is
         likely = [(likely[0][0], 1.0)]
     plain = min((of for of, _ in likely), key=lambda of: (of.half_turns, abs(of.turn)))
-    stretches = find_stretches(samples, plain, settings.robust, threads)
+    stretches = find_stretches(samples, plain, dense, settings.robust, threads)
     full, seed = near_and_far(likely[:1] if stretches else likely, settings, stretches), content_seed(samples)
     with suppress(InputError):  # too few samples, or none has another one within max_distance
         rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")

@@ -93,6 +93,21 @@ def test_a_hole_that_is_alike_all_along_has_one_covariance() -> None:
     assert "stretches" not in choice.sentence
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_where_no_arm_meets_the_lobes_of_a_breakout_that_turns_the_hole_is_no_other_one(seed: int) -> None:
+    """In four passes two arms look at four toolfaces a turn: by them parts of the hole are quiet, and parts are not."""
+    rng = np.random.default_rng([seed, 29])
+    row, first, start = np.arange(0.0, 20.0, 0.05), np.array([91.0, 99.0, 143.0, 144.0]), rng.uniform(0, 180)
+    depth, arm = np.tile(row, 8), np.tile(np.repeat([0, 1], row.size), 4)
+    toolface = (np.repeat(first, 2 * row.size) + 180 * arm + 3 * depth) % 360
+    away = (toolface - start - 8 * depth + 90) % 180 - 90
+    radius = 0.109 + 0.016 * np.exp(-((away / 22) ** 2)) + rng.normal(0, 5e-4, depth.size)
+    settings = choose(
+        hb.Caliper(depth, toolface, radius, arm=arm), hb.Settings(bit_diameter=0.216, estimator="automatic")
+    )
+    assert settings.settings.stretches is None
+
+
 def test_the_sentence_says_that_the_hole_changes() -> None:
     choice = choose(six_arms(3), hb.Settings(bit_diameter=BIT, estimator="automatic"))
     assert "the hole changes along it: 2 stretches" in choice.sentence
@@ -101,14 +116,14 @@ def test_the_sentence_says_that_the_hole_changes() -> None:
 def test_any_number_of_threads_finds_the_same_stretches() -> None:
     samples = in_depth_order(six_arms(3))
     whole = likely_covariances(samples)[0][0]
-    assert find_stretches(samples, whole, False, 1) == find_stretches(samples, whole, False, 3)
+    assert find_stretches(samples, whole, False, False, 1) == find_stretches(samples, whole, False, False, 3)
 
 
 @pytest.mark.parametrize("count", [60, 5000], ids=["few", "many"])
 def test_samples_at_one_depth_are_one_stretch(count: int) -> None:
     toolface = np.linspace(0, 360, count, endpoint=False)
     samples = np.full(count, 7.0), toolface, 0.1 + 0.01 * np.cos(np.radians(toolface))
-    assert find_stretches(samples, likely_covariances(samples)[0][0], False, None) == []
+    assert find_stretches(samples, likely_covariances(samples)[0][0], True, False, None) == []
 
 
 def test_expected_errors_are_those_of_the_stretches(wall: hb.Wall) -> None:
@@ -136,7 +151,7 @@ def score(table: Floats, cuts: list[int], chosen: list[int]) -> float:
 @given(likelihoods())
 def test_no_other_stretches_are_likelier(table: Floats) -> None:
     parts = len(table)
-    cuts, chosen = stretches._cut(table)
+    cuts, chosen = stretches._cut(table, GAIN)
     best = -np.inf
     for number in range(parts):
         for inner in combinations(range(1, parts), number):
@@ -148,7 +163,7 @@ def test_no_other_stretches_are_likelier(table: Floats) -> None:
 
 @given(likelihoods())
 def test_stretches_side_by_side_are_unlike_and_no_two_kinds_are_alike(table: Floats) -> None:
-    cuts, chosen = stretches._join_alike(table, stretches._cut(table))
+    cuts, chosen = stretches._join_alike(table, stretches._cut(table, GAIN), GAIN)
     assert cuts[0] == 0
     assert all(one != other for one, other in pairwise(chosen))
     of_part = np.repeat(chosen, np.diff([*cuts, len(table)]))
