@@ -33,7 +33,7 @@ from helibore.wall.interpolation import canonical_order
 
 _DEVIATIONS = np.geomspace(1e-5, 3e-2, 60)  # metres
 _USUAL = 2.5e-4  # metres, 0.01 inch; the logarithm of the deviation has a normal prior about this, of deviation 1
-_APART = 4.0  # deviations of the biases of a half of the hole
+_APART = 4.0  # deviations of the differences of biases in two halves of the hole
 _JUDGED = 40  # samples of an arm in a half
 _SMALL = 0.1
 """Biases up to this share of the noise of a sample are none."""
@@ -142,30 +142,30 @@ def found_biases(
             break
     if found is None or np.abs(biases).max() <= _SMALL * np.sqrt(found.noise):
         return None
-    if _halves_differ(samples, arm, biases, found):
+    if _halves_differ(samples, arm, found):
         return None
     by_number = np.zeros(int(numbers[-1]) + 1)
     by_number[numbers] = np.round(biases, 7)
     return tuple(by_number.tolist())
 
 
-def _halves_differ(samples: Columns, arm: Integers, biases: Floats, covariance: Covariance) -> bool:
-    """Return whether a half of the hole does not have these biases: then the arms took a shape for biases.
+def _halves_differ(samples: Columns, arm: Integers, covariance: Covariance) -> bool:
+    """Return whether the halves of the hole do not have the same biases: then the arms took a shape for biases.
 
-    Compared are arms with some samples in the half, and apart from what the arms share: a mean of all is the hole's.
+    Compared are arms with some samples in both, and apart from what the arms share: a mean of all is the hole's.
     """
-    half = arm.size // 2
-    for rows in (slice(half), slice(half, None)):
-        own = find_biases((samples[0][rows], samples[1][rows], samples[2][rows]), arm[rows], covariance)
-        judged = np.flatnonzero(np.bincount(arm[rows]) >= _JUDGED)
-        if judged.size < 2:
-            continue
-        apart = np.eye(judged.size) - 1.0 / judged.size
-        off = apart @ (own.biases - biases[: own.biases.size])[judged]
-        variance = (apart @ own.covariance[np.ix_(judged, judged)] @ apart).diagonal()
-        if np.any(np.abs(off) > _APART * np.sqrt(variance)):
-            return True
-    return False
+    count, half = int(arm.max()) + 1, arm.size // 2
+    halves = [slice(half), slice(half, None)]
+    judged = np.flatnonzero(np.all([np.bincount(arm[rows], minlength=count) >= _JUDGED for rows in halves], axis=0))
+    if judged.size < 2:
+        return False
+    one, other = (
+        find_biases((samples[0][rows], samples[1][rows], samples[2][rows]), arm[rows], covariance) for rows in halves
+    )
+    apart, among = np.eye(judged.size) - 1.0 / judged.size, np.ix_(judged, judged)
+    off = apart @ (other.biases[judged] - one.biases[judged])
+    variance = (apart @ (one.covariance[among] + other.covariance[among]) @ apart).diagonal()
+    return bool(np.any(np.abs(off) > _APART * np.sqrt(variance)))
 
 
 def follow_the_shape(caliper: Caliper, biases: tuple[float, ...], less: Covariance, threads: int | None) -> Likely:

@@ -259,3 +259,31 @@ def test_what_only_half_of_the_hole_has_is_no_bias(share: float) -> None:
     else:
         assert found is not None
         np.testing.assert_allclose(found[:2], [2e-3, -2e-3], atol=2e-4)
+
+
+@pytest.mark.parametrize("seed", [8, 20])
+def test_many_samples_of_many_arms_do_not_lose_their_biases_by_chance(seed: int) -> None:
+    """Two of 24 such holes did: a half of the hole was compared with biases of the whole as if these were known."""
+    rng = np.random.default_rng([seed, 31])
+    row, arms, passes = np.arange(0, 20, 0.05), 12, 8
+    depth, arm = np.tile(row, arms * passes), np.tile(np.repeat(np.arange(arms), row.size), passes)
+    toolface = (np.repeat(rng.uniform(0, 360, passes), arms * row.size) + 30 * arm + 3 * depth) % 360
+    biases = rng.normal(0, 3e-4, arms)
+    away = (toolface - rng.uniform(0, 180) + 90) % 180 - 90
+    shape = 0.109 + 0.016 * np.exp(-((away / 22) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2))
+    radius = shape + biases[arm] + rng.normal(0, 5e-4, depth.size)
+    found = found_biases(hb.Caliper(depth, toolface, radius, arm=arm))
+    assert found is not None
+    assert np.abs(np.array(found) - (biases - biases.mean())).max() < 2e-4
+
+
+def test_an_arm_that_fails_in_the_lower_half_of_the_hole_leaves_the_others_their_biases() -> None:
+    rng = np.random.default_rng(5)
+    row, biases = np.arange(0, 20, 0.05), np.array([4e-4, -4e-4, 3e-4, -3e-4])
+    depth, arm = np.repeat(row, 4), np.tile(np.arange(4), row.size)
+    toolface = (90 * arm + 12 * depth) % 360
+    radius = 0.109 + 0.002 * np.cos(np.radians(2 * toolface)) + biases[arm] + rng.normal(0, 2e-4, depth.size)
+    kept = (arm < 3) | (depth < 8)
+    found = found_biases(hb.Caliper(depth[kept], toolface[kept], radius[kept], arm=arm[kept]))
+    assert found is not None
+    assert np.diff(found[:3]) == pytest.approx(np.diff(biases[:3]), abs=1.5e-4)
