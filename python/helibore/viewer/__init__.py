@@ -413,9 +413,8 @@ def of_other(
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = wall_limit(
-        over, wall.settings.sectors, wall.settings.pitch, MILLIMETRE
-    )  # the same limit, hence the same colours, for all walls
+    of = wall.settings  # the same limit, hence the same colours, for all walls
+    limit = wall_limit(over, of.sectors, of.pitch, MILLIMETRE)
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     radius = other.at(own.depth, own.toolface).radius
     values: dict[Attribute, npt.ArrayLike] = {attribute: radius - 0.5 * other.settings.bit_diameter}

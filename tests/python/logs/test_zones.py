@@ -378,8 +378,8 @@ def test_two_sensors_that_turn_slowly_show_no_pieces_of_a_zone(rate: float) -> N
     arm = np.tile([0, 1], depth.size // 2)
     toolface = (20 + rate * depth + 180 * arm) % 360
     away = (toolface - 90 + 90) % 180 - 90
-    lobes = 0.05 * np.maximum(np.cos(np.radians(3 * np.clip(away, -30, 30))), 0) * ((depth > 5) & (depth < 35))
-    radius = 0.109 + lobes + np.random.default_rng(6).normal(0, 5e-4, depth.size)
+    over = 0.05 * np.maximum(np.cos(np.radians(3 * np.clip(away, -30, 30))), 0) * ((depth > 5) & (depth < 35))
+    radius = 0.109 + over + np.random.default_rng(6).normal(0, 5e-4, depth.size)
     found = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT).zones()
     assert found.zones == ()
     assert set(found.kind.tolist()) == {-1}

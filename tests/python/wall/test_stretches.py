@@ -94,7 +94,7 @@ def test_a_hole_that_is_alike_all_along_has_one_covariance() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_where_no_arm_meets_the_lobes_of_a_breakout_that_turns_the_hole_is_no_other_one(seed: int) -> None:
+def test_where_no_arm_meets_a_breakout_that_turns_the_hole_is_no_other_one(seed: int) -> None:
     """In four passes two arms look at four toolfaces a turn: by them parts of the hole are quiet, and parts are not."""
     rng = np.random.default_rng([seed, 29])
     row, first, start = np.arange(0.0, 20.0, 0.05), np.array([91.0, 99.0, 143.0, 144.0]), rng.uniform(0, 180)
